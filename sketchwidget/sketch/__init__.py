@@ -1,0 +1,25 @@
+"""Strokes and drawings in 2D: lines and segments, resampling, erasing, rasterising."""
+
+from .names import COLOURS, FEATURES, LINE_NAMES, SILHOUETTE, UNNAMED, WRINKLE, kind, mirrored
+from .polyline import arc_length, resample, resample_spacing
+from .raster import rasterise
+from .sketch import Segment, Sketch
+from .stroke import as_stroke
+
+__all__ = [
+    "COLOURS",
+    "FEATURES",
+    "LINE_NAMES",
+    "SILHOUETTE",
+    "UNNAMED",
+    "WRINKLE",
+    "Segment",
+    "Sketch",
+    "arc_length",
+    "as_stroke",
+    "kind",
+    "mirrored",
+    "rasterise",
+    "resample",
+    "resample_spacing",
+]
