@@ -1,0 +1,41 @@
+"""sketchwidget: draw a face in a notebook, and a 3D head follows your pen."""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from .face import Face, FaceModel
+    from .geometry import View
+    from .inference import FaceRegressor
+    from .session import Session
+    from .sketch import Sketch
+    from .widgets import Studio
+
+__version__ = "0.1.0"
+
+# Each public name and the room that defines it: imported on first use, so that `import sketchwidget` stays light.
+_HOMES = {
+    "Face": "face",
+    "FaceModel": "face",
+    "FaceRegressor": "inference",
+    "Session": "session",
+    "Sketch": "sketch",
+    "Studio": "widgets",
+    "View": "geometry",
+}
+
+__all__ = ["Face", "FaceModel", "FaceRegressor", "Session", "Sketch", "Studio", "View", "__version__"]
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _HOMES:
+        raise AttributeError(f"module 'sketchwidget' has no attribute {name!r}")
+    value = getattr(import_module(f".{_HOMES[name]}", __name__), name)
+    globals()[name] = value
+    return value
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *__all__})

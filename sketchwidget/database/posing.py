@@ -1,0 +1,84 @@
+"""Every expression on every identity: alignment of the heads and deformation transfer of the poses."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+import numpy as np
+from joblib import Parallel, delayed
+from tqdm import tqdm
+
+from ..face.template import PARTS, Template
+from ..geometry.alignment import similarity
+from ..geometry.deformation_transfer import DeformationTransfer, deformation_gradients
+from .source import FaceSource
+
+FACE_HEIGHT_MM = 200.0  # menton to crown
+_MENTON = 8  # iBUG landmark
+
+
+class Posing:
+    """Carries a source's expressions from its own resting head to any of its identities.
+
+    The skin and the mouth's lining are carried by deformation transfer (Sumner and Popovic 2004). Eyes, teeth and tongue, which
+    move rigidly if at all, take over the displacement as it is: all heads are aligned and of one size.
+
+    Parameters
+    ----------
+    source : FaceSource
+    """
+
+    def __init__(self, source: FaceSource) -> None:
+        template = source.template
+        self._source = source
+        self._skin = np.flatnonzero(template.parts <= PARTS.index("mouth"))
+        number_of = np.full(template.coarse_count, -1)
+        number_of[self._skin] = np.arange(len(self._skin))
+        faces = number_of[template.coarse_faces]
+        self._faces = faces[(faces >= 0).all(axis=1)]
+
+        poses = source.expressions()
+        self.names = list(poses)
+        scale, centre = to_millimetres(template.subdivision @ poses["neutral"], template)
+        self._rest = scale * (poses["neutral"] - centre)
+        self._displacements = np.stack([scale * (pose - poses["neutral"]) for pose in poses.values()])
+        moved = np.abs(self._displacements[:, self._skin]).max(axis=(0, 2))
+        self._held = moved == 0
+        posed = self._rest + self._displacements
+        self._gradients = np.stack(
+            [deformation_gradients(self._rest[self._skin], pose[self._skin], self._faces) for pose in posed]
+        )
+
+    def __call__(self, number: int) -> np.ndarray:
+        """Identity `number` in every expression: (expressions, n, 3) float32 coarse vertices, millimetres, aligned."""
+        identity = self._source.identity(number)
+        scale, rotation, translation = similarity(identity[self._skin], self._rest[self._skin])
+        rest = scale * identity @ rotation.T + translation
+        posed = rest + self._displacements
+        posed[:, self._skin] = DeformationTransfer(rest[self._skin], self._faces, self._held)(self._gradients)
+        return posed.astype(np.float32)
+
+    def all(self, numbers: Iterable[int], jobs: int = 1) -> np.ndarray:
+        """Many identities at once, spread by joblib: (identities, expressions, n, 3) float32."""
+        numbers = list(numbers)
+        heads = Parallel(n_jobs=jobs, return_as="generator")(delayed(self)(number) for number in numbers)
+        posed = np.empty((len(numbers), *self._displacements.shape), dtype=np.float32)
+        for row, head in enumerate(tqdm(heads, total=len(numbers), desc="identities", unit="head")):
+            posed[row] = head
+        return posed
+
+
+def to_millimetres(head: np.ndarray, template: Template) -> tuple[float, np.ndarray]:
+    """Scale and origin that give a fine head (V, 3) its canonical size and place.
+
+    Returns
+    -------
+    scale : float
+        Brings menton to crown to 200 mm.
+    origin : (3,) array
+        The point, in the head's own units, midway between menton and crown in the plane of symmetry, and midway in depth.
+    """
+    skin = head[template.fine_parts == PARTS.index("skin")]
+    menton, crown = head[template.landmarks[_MENTON], 1], skin[:, 1].max()
+    depth = (skin[:, 2].min() + skin[:, 2].max()) / 2
+    return FACE_HEIGHT_MM / (crown - menton), np.array([0.0, (menton + crown) / 2, depth])

@@ -1,0 +1,183 @@
+"""The bilinear face model: identity and expression weights to a head."""
+
+from __future__ import annotations
+
+import json
+import os
+from functools import cached_property
+from importlib.resources import files
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from safetensors import SafetensorError, safe_open
+from safetensors.numpy import save_file
+
+from .appearance import vertex_colors
+from .bilinear import Bilinear
+from .face import Face
+from .template import Template
+
+FORMAT = "sketchwidget face model 1"
+_MAX_BYTES = 256 * 2**20
+_CURVE = "curve."
+
+
+class FaceModel:
+    """A family of heads with one topology, spanned by identity and expression weights (paper 4.2, equation 1).
+
+    Parameters
+    ----------
+    template : Template
+    bilinear : Bilinear
+        On the coarse vertices.
+    expressions : sequence of str
+        Names of the expressions of the tensor, the resting face as "neutral".
+    """
+
+    def __init__(self, template: Template, bilinear: Bilinear, expressions: list[str]) -> None:
+        if len(expressions) != len(bilinear.expressions) or "neutral" not in expressions:
+            raise ValueError(
+                f"a model names each of its {len(bilinear.expressions)} expressions, one of them 'neutral';"
+                f" given {expressions}"
+            )
+        self.template = template
+        self.bilinear = bilinear
+        self.expressions = list(expressions)
+
+    @property
+    def identity_size(self) -> int:
+        """Number of identity weights."""
+        return self.bilinear.core.shape[1]
+
+    @property
+    def expression_size(self) -> int:
+        """Number of expression weights."""
+        return self.bilinear.core.shape[2]
+
+    @property
+    def faces(self) -> np.ndarray:
+        """Triangles (F, 3) int32."""
+        return self.template.faces
+
+    @property
+    def curves(self) -> dict[str, np.ndarray]:
+        """Vertex indices (k,) int32 of the predefined curves, by line name."""
+        return self.template.curves
+
+    @property
+    def landmarks(self) -> np.ndarray:
+        """Vertex indices (68,) int32 of the landmarks, in iBUG order."""
+        return self.template.landmarks
+
+    @cached_property
+    def mean_identity(self) -> np.ndarray:
+        """Weights (identity_size,) of the mean identity."""
+        return self.bilinear.identities.mean(axis=0)
+
+    @cached_property
+    def mean(self) -> np.ndarray:
+        """The mean face (V, 3): the mean identity at rest."""
+        return self.face().vertices
+
+    @cached_property
+    def colors(self) -> np.ndarray:
+        """Colour (V, 3) float32 of each vertex."""
+        return vertex_colors(self.template, self.mean)
+
+    def vertices(self, identity: np.ndarray, expression: np.ndarray) -> np.ndarray:
+        """Fine vertices (V, 3) float32 from weights; see `face`."""
+        model = self.bilinear
+        code = model.core @ expression @ identity
+        coarse = (model.mean + model.basis @ code).reshape(-1, 3)
+        return self.template.subdivision @ coarse
+
+    def face(self, identity: Any = None, expression: Any = None) -> Face:
+        """The head with the given weights.
+
+        Parameters
+        ----------
+        identity : (identity_size,) array, optional
+            None is the mean identity.
+        expression : (expression_size,) array or str, optional
+            Weights, or the name of one of `expressions`; None is the face at rest.
+
+        Raises
+        ------
+        ValueError
+            If weights have another shape or are not finite, or no expression has that name.
+        """
+        u = self.mean_identity if identity is None else _weights(identity, self.identity_size, "identity")
+        if expression is None or isinstance(expression, str):
+            v = self._expression(expression or "neutral")
+        else:
+            v = _weights(expression, self.expression_size, "expression")
+        return Face(self, self.vertices(u, v), u, v)
+
+    def _expression(self, name: str) -> np.ndarray:
+        if name not in self.expressions:
+            raise ValueError(f"an expression is one of {', '.join(self.expressions)}; given {name!r}")
+        return self.bilinear.expressions[self.expressions.index(name)]
+
+    def save(self, path: str | os.PathLike[str], provenance: dict[str, str]) -> None:
+        """Write the model to a safetensors file, its basis in half precision, with where it came from in the header."""
+        template, model = self.template, self.bilinear
+        tensors = {
+            "quads": template.quads.astype(np.int32),
+            "parts": template.parts,
+            "landmarks": template.landmarks,
+            "mean": model.mean,
+            "basis": model.basis.astype(np.float16),
+            "core": model.core,
+            "identities": model.identities,
+            "expressions": model.expressions,
+            **{_CURVE + name: path for name, path in template.curves.items()},
+        }
+        header = {"format": FORMAT, "expressions": json.dumps(self.expressions), **provenance}
+        save_file({name: np.ascontiguousarray(tensor) for name, tensor in tensors.items()}, path, header)
+
+    @classmethod
+    def load(cls, path: str | os.PathLike[str] | None = None) -> FaceModel:
+        """Read a model; without a path, the shipped one.
+
+        Raises
+        ------
+        FileNotFoundError
+            If there is no such file.
+        ValueError
+            If it is no face model, is damaged, or is larger than 256 MB.
+        """
+        path = (
+            Path(os.fspath(path))
+            if path is not None
+            else Path(str(files("sketchwidget") / "data" / "face.safetensors"))
+        )
+        if not path.is_file():
+            raise FileNotFoundError(f"there is no face model at {path}")
+        if path.stat().st_size > _MAX_BYTES:
+            raise ValueError(f"{path} is larger than the 256 MB that a face model may have")
+        try:
+            with safe_open(path, framework="numpy") as file:
+                header = file.metadata() or {}
+                tensors = {name: file.get_tensor(name) for name in file.keys()}  # noqa: SIM118  (no mapping)
+        except SafetensorError as error:
+            raise ValueError(f"{path} is no safetensors file that can be read: {error}") from error
+        if header.get("format") != FORMAT:
+            raise ValueError(f"{path} is no face model: its format is {header.get('format')!r}, not {FORMAT!r}")
+        curves = {name.removeprefix(_CURVE): tensors[name] for name in tensors if name.startswith(_CURVE)}
+        template = Template(tensors["quads"], tensors["parts"], curves, tensors["landmarks"])
+        bilinear = Bilinear(
+            mean=tensors["mean"],
+            basis=tensors["basis"].astype(np.float32),
+            core=tensors["core"],
+            identities=tensors["identities"],
+            expressions=tensors["expressions"],
+        )
+        return cls(template, bilinear, json.loads(header["expressions"]))
+
+
+def _weights(given: Any, size: int, mode: str) -> np.ndarray:
+    weights = np.asarray(given, dtype=np.float32)
+    if weights.shape != (size,) or not np.isfinite(weights).all():
+        raise ValueError(f"{mode} weights are {size} finite numbers; given {given!r}")
+    return weights

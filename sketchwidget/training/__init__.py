@@ -1,0 +1,1 @@
+"""Trains what the other rooms load, evaluates it, and writes the shipped files."""

