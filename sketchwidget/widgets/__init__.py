@@ -1,0 +1,5 @@
+"""The Studio and the widgets it is made of: an ipycanvas pad and a pythreejs head, each half in the browser."""
+
+from .studio import Studio
+
+__all__ = ["Studio"]

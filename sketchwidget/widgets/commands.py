@@ -1,0 +1,64 @@
+"""What the Studio can be told to do: one table of commands, with the icon, the key and the tooltip of each."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Command:
+    """A command of the Studio.
+
+    Parameters
+    ----------
+    name : str
+        What the code calls it; its button carries the CSS class ``sketchwidget-do-<name>``.
+    text : str
+        What the tooltip says it does.
+    keys : tuple of str
+        The keys that do it: lower case, modifiers first (``"ctrl+shift+z"``; ``ctrl`` is also the Mac's command key).
+        The tooltip names the first.
+    icon : str
+        A FontAwesome 5 name, the set that both JupyterLab and Voila ship.
+    label : str
+        What the button says beside the icon, or instead of it.
+    """
+
+    name: str
+    text: str
+    keys: tuple[str, ...]
+    icon: str = ""
+    label: str = ""
+
+    @property
+    def tooltip(self) -> str:
+        """The text and the key, as ``Undo (Ctrl+Z)``."""
+        key = "+".join(part.capitalize() for part in self.keys[0].split("+"))
+        return f"{self.text} ({key})"
+
+
+COMMANDS = {
+    command.name: command
+    for command in (
+        Command("pen", "Pen", ("p",), "pen"),
+        Command("eraser", "Eraser", ("e",), "eraser"),
+        Command("undo", "Undo", ("ctrl+z",), "undo"),
+        Command("redo", "Redo", ("ctrl+shift+z", "ctrl+y"), "redo"),
+        Command("clear", "Clear the drawing", ("delete",), "trash"),
+        Command("mirror", "Mirror drawing: each stroke on both sides", ("m",), "arrows-alt-h"),
+        Command("ghost", "Ghost: the head's own lines under the ink", ("g",), "ghost"),
+        Command("front", "See the head from the front", ("1",), label="front"),
+        Command("left", "See the subject's left side", ("2",), label="left"),
+        Command("right", "See the subject's right side", ("3",), label="right"),
+        Command("three-quarter", "See the head in three-quarter view", ("4",), label="¾"),
+        Command("save", "Save the session to a file", ("s",), "save"),
+        Command("load", "Load a session from a file", ("l",), "folder-open"),
+        Command("obj", "Export the head as OBJ", ("o",), "download", "OBJ"),
+        Command("glb", "Export the head as GLB", ("b",), "download", "GLB"),
+    )
+}
+
+
+def css_class(name: str) -> str:
+    """The CSS class of a command's button."""
+    return f"sketchwidget-do-{name}"

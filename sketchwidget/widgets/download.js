@@ -1,0 +1,25 @@
+/* Bytes from the kernel as downloads of the browser.
+ *
+ * Takes   {type: "file", name, mime} with one buffer, the file's content.
+ *
+ * One file a page, however many views the page has; a page in the background leaves it to the one that the user looks at.
+ */
+
+function initialize({ model }) {
+  model.on("msg:custom", (message, buffers) => {
+    if (message.type !== "file" || document.visibilityState !== "visible") return;
+    const link = document.createElement("a");
+    link.href = URL.createObjectURL(new Blob([buffers[0]], { type: message.mime }));
+    link.download = message.name;
+    document.body.append(link);
+    link.click();
+    link.remove();
+    setTimeout(() => URL.revokeObjectURL(link.href), 60_000); // the browser may still be asking where to
+  });
+}
+
+function render({ el }) {
+  el.style.display = "none";
+}
+
+export default { initialize, render };

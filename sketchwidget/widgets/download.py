@@ -1,0 +1,17 @@
+"""Files from the kernel to the user's disk, through the browser."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import anywidget
+
+
+class Downloads(anywidget.AnyWidget):
+    """An invisible widget that hands files to the browser as downloads; the message format is in ``download.js``."""
+
+    _esm = Path(__file__).parent / "download.js"
+
+    def save(self, name: str, data: bytes, mime: str) -> None:
+        """Let the browser save ``data`` as a file of this name and type (as ``model/gltf-binary``)."""
+        self.send({"type": "file", "name": name, "mime": mime}, [data])

@@ -1,0 +1,87 @@
+"""The head: a clay bust, lit so that its form reads from every side, seen in the frame of the pad."""
+
+from __future__ import annotations
+
+import numpy as np
+import pythreejs as three
+
+from ..face import Face
+from ..geometry import View
+from .mesh_stream import MeshStream
+
+CAMERA_DISTANCE = 1000.0  # mm; an orthographic picture does not depend on it, the lights' directions below do
+
+# Lights stand still as seen from the camera: colour, intensity, direction to the light (x right, y up, z to the viewer).
+LIGHTS = (
+    ("#fff4e6", 0.62, (-0.55, 0.65, 0.62)),  # key, warm, from above left: noses and brows cast their form
+    ("#dfe8ff", 0.20, (0.85, 0.05, 0.45)),  # fill, cool, so that the far cheek keeps its shape
+    ("#ffffff", 0.38, (0.65, 0.45, -0.75)),  # rim, from behind, drawing the outline of the dark side
+)
+SKY, GROUND, AMBIENT = "#f4f6fb", "#8a7c72", 0.46  # light from all around, paler above
+
+
+class HeadView:
+    """The scene of one head, and the widget that shows it.
+
+    Parameters
+    ----------
+    face : Face
+        The face to begin with; later ones have its topology.
+
+    Attributes
+    ----------
+    widget : MeshStream
+        What to put on the page.
+    """
+
+    def __init__(self, face: Face) -> None:
+        self._face = face
+        self._frame = View()
+        geometry = three.BufferGeometry(
+            attributes={
+                "position": three.BufferAttribute(np.asarray(face.vertices, dtype=np.float32)),
+                "color": three.BufferAttribute(np.asarray(face.colors, dtype=np.float32)),
+                "index": three.BufferAttribute(np.asarray(face.faces, dtype=np.uint32).ravel(), normalized=False),
+            }
+        )
+        clay = three.MeshStandardMaterial(
+            color="#ffffff", vertexColors="VertexColors", roughness=0.72, metalness=0.0, side="DoubleSide"
+        )
+        mesh = three.Mesh(geometry, clay, frustumCulled=False)
+        camera = three.OrthographicCamera(
+            -125, 125, 125, -125, near=1, far=2 * CAMERA_DISTANCE, position=(0, 0, CAMERA_DISTANCE), children=_lights()
+        )
+        scene = three.Scene(children=[mesh, camera, three.HemisphereLight(SKY, GROUND, AMBIENT)], background=None)
+        renderer = three.Renderer(
+            scene,
+            camera,
+            [three.OrbitControls(camera, minZoom=0.5, maxZoom=12.0)],
+            antialias=True,
+            alpha=True,
+            clearOpacity=0.0,
+            background_opacity=0.0,
+        )
+        self.widget = MeshStream(renderer=renderer, geometry=geometry)
+        self.widget.on_ready(self._send)
+
+    def show(self, face: Face, frame: View) -> None:
+        """Show another face, standing where ``frame`` has it on the canvas; nothing is sent if it does already."""
+        if face is not self._face or frame is not self._frame:
+            self._face, self._frame = face, frame
+            self._send()
+
+    def look(self, preset: str) -> None:
+        """Turn to a view by name: front, left, right or three-quarter."""
+        self.widget.look(View.preset(preset).rotation[2])
+
+    def _send(self) -> None:
+        self.widget.send_positions(self._face.vertices, self._frame.scale, self._frame.centre)
+
+
+def _lights() -> list[three.DirectionalLight]:
+    """The directional lights as children of the camera; they shine at the head's origin, straight ahead of it."""
+    lights = []
+    for colour, intensity, direction in LIGHTS:
+        position = CAMERA_DISTANCE * np.array(direction) / np.linalg.norm(direction) - (0, 0, CAMERA_DISTANCE)
+        lights.append(three.DirectionalLight(colour, intensity, position=tuple(position.tolist())))
+    return lights

@@ -1,0 +1,175 @@
+/* Positions streamed into a pythreejs BufferGeometry, a whole frame at a time, and the camera that looks at it.
+ *
+ * Model   renderer, geometry: "IPY_MODEL_<id>" of the pythreejs Renderer (orthographic camera, orbit controls) and geometry.
+ * Sends   {type: "ready"} when the page can take positions.
+ * Takes   {type: "mesh", serial, scale, centre: [x, y]} with one buffer: Float32 (V, 3), millimetres. `scale` (canvas units a
+ *         millimetre) and `centre` place the head's origin on the unit square that the view shows, y down;
+ *         {type: "look", direction: [x, y, z]}: turn until the camera looks from there, zoom and shift undone.
+ * Events  on the view's element, bubbling: "sketchwidget:frame" {detail: {serial, drawn}} after a mesh is rendered. That
+ *         element has a property `sketchwidget` = {geometry, camera, serial}, the three.js objects on show.
+ *
+ * Positions are written in place, normals computed, the camera's frame set and everything rendered in one animation frame, so
+ * that no half of an update is ever seen. Where several updates wait for a frame, the last one counts.
+ */
+
+const DISTANCE = 1000; // of the camera in millimetres; an orthographic picture does not depend on it
+const TURN = 260; // milliseconds that a change of view takes
+
+const resolve = (model, name) => model.widget_manager.get_model(model.get(name).slice("IPY_MODEL_".length));
+
+/** Spherical angles of a direction: about the upward axis, and from it. */
+function angles({ x, y, z }) {
+  return [Math.atan2(x, z), Math.acos(Math.min(1, Math.max(-1, y / Math.hypot(x, y, z))))];
+}
+
+export default () => {
+  const views = new Set();
+  let geometry, camera, controls; // three.js
+  let pending = null;
+  let serial = 0;
+  let frame = 0;
+
+  function setPositions(buffer) {
+    const position = geometry.getAttribute("position");
+    position.array.set(new Float32Array(buffer.buffer, buffer.byteOffset, position.array.length));
+    position.needsUpdate = true;
+    geometry.computeVertexNormals();
+    geometry.computeBoundingSphere();
+  }
+
+  function setFrame(scale, [x, y]) {
+    Object.assign(camera, { left: -x / scale, right: (1 - x) / scale, top: y / scale, bottom: (y - 1) / scale });
+    camera.updateProjectionMatrix();
+  }
+
+  function renderAll() {
+    for (const { view } of views) view.renderScene();
+  }
+
+  function apply() {
+    frame = 0;
+    const { message, buffer } = pending;
+    pending = null;
+    setPositions(buffer);
+    setFrame(message.scale, message.centre);
+    renderAll();
+    serial = message.serial;
+    for (const { host } of views) announce(host);
+  }
+
+  function announce(host) {
+    host.classList.add("sketchwidget-shown");
+    host.sketchwidget = { geometry, camera, serial };
+    host.dispatchEvent(new CustomEvent("sketchwidget:frame", { bubbles: true, detail: { serial, drawn: performance.now() } }));
+  }
+
+  function look([x, y, z]) {
+    const target = controls.target.clone();
+    const from = angles(camera.position.clone().sub(target));
+    const to = angles({ x, y, z });
+    const about = ((to[0] - from[0] + 3 * Math.PI) % (2 * Math.PI)) - Math.PI; // the short way round
+    const zoom = camera.zoom;
+    const start = performance.now();
+    const turn = matchMedia("(prefers-reduced-motion: reduce)").matches ? 0 : TURN;
+
+    function step(now) {
+      const t = turn ? Math.min(1, Math.max(0, (now - start) / turn)) : 1;
+      const eased = t * t * (3 - 2 * t);
+      const [azimuth, polar] = [from[0] + eased * about, from[1] + eased * (to[1] - from[1])];
+      controls.target.copy(target).multiplyScalar(1 - eased);
+      camera.position
+        .set(Math.sin(polar) * Math.sin(azimuth), Math.cos(polar), Math.sin(polar) * Math.cos(azimuth))
+        .multiplyScalar(DISTANCE)
+        .add(controls.target);
+      camera.zoom = zoom + eased * (1 - zoom);
+      camera.updateProjectionMatrix();
+      controls.update();
+      renderAll();
+      if (t < 1) requestAnimationFrame(step);
+    }
+    requestAnimationFrame(step);
+  }
+
+  async function connect(model) {
+    const renderer = await resolve(model, "renderer");
+    const geometryModel = await resolve(model, "geometry");
+    await renderer.initPromise;
+    await geometryModel.initPromise;
+    const controlsModel = renderer.get("controls")[0];
+    // Each drag would send the camera to the kernel, and the answer turn it back under the next drag.
+    controlsModel.update_controlled = () => {};
+    geometry = geometryModel.obj;
+    camera = renderer.get("camera").obj;
+    controls = controlsModel.obj;
+    return renderer;
+  }
+
+  let connected = null;
+
+  function initialize({ model }) {
+    connected = connect(model);
+    model.on("msg:custom", (message, buffers) => {
+      if (message.type === "mesh") {
+        pending = { message, buffer: buffers[0] };
+        connected.then(() => (frame ||= requestAnimationFrame(apply)));
+      } else if (message.type === "look") {
+        connected.then(() => look(message.direction));
+      }
+    });
+    connected.then(() => model.send({ type: "ready" }));
+  }
+
+  async function render({ model, el }) {
+    const renderer = await connected;
+    const view = await model.widget_manager.create_view(renderer);
+    const host = document.createElement("div");
+    host.className = "sketchwidget-head";
+    host.tabIndex = 0;
+    host.setAttribute("role", "img");
+    host.setAttribute("aria-label", "3D head");
+    host.append(view.el);
+    el.classList.add("sketchwidget-square");
+    el.append(host);
+
+    // pythreejs sizes its views from traits that all pages share; this one is as large as its place, at the page's own ratio.
+    view.updateSize = () => {
+      const size = host.clientWidth;
+      if (!size || view.isFrozen) return;
+      view.renderer.setPixelRatio(window.devicePixelRatio || 1);
+      view.renderer.setSize(size, size);
+    };
+    function fit() {
+      view.updateSize();
+      view.renderScene();
+    }
+    // Captured, a drag goes on outside the view; three.js's controls would end it at the edge.
+    const capture = (event) => event.target.setPointerCapture?.(event.pointerId);
+    // The wheel scrolls the page until the head is clicked.
+    const zoomable = () => (controls.enableZoom = document.activeElement === host);
+    const focus = () => host.focus({ preventScroll: true });
+
+    host.addEventListener("pointerdown", capture);
+    host.addEventListener("pointerup", focus);
+    host.addEventListener("focus", zoomable);
+    host.addEventListener("blur", zoomable);
+    zoomable();
+    const shown = { view, host };
+    views.add(shown);
+    const sizes = new ResizeObserver(fit);
+    sizes.observe(host);
+    window.addEventListener("resize", fit);
+    if (serial) {
+      fit();
+      announce(host);
+    }
+
+    return () => {
+      views.delete(shown);
+      sizes.disconnect();
+      window.removeEventListener("resize", fit);
+      view.remove();
+    };
+  }
+
+  return { initialize, render };
+};

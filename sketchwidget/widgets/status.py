@@ -1,0 +1,64 @@
+"""The status line: what just happened and what is expected next; the mode and the timings."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from ipywidgets import HBox, Label
+
+from ..sketch import SILHOUETTE, Sketch
+
+# What a face is drawn with, as people say it, and the beginnings of the line names that make it up.
+PARTS = {"eyes": "eye", "brows": "brow", "nose": "nose", "mouth": "mouth"}
+SHOWN_TIMINGS = ("inference", "deformation", "total")
+
+
+class Status(HBox):
+    """The line at the bottom of the Studio; errors are a sentence here and nowhere else."""
+
+    def __init__(self) -> None:
+        self._message = Label()
+        self._figures = Label()
+        self._message.add_class("sketchwidget-message")
+        self._figures.add_class("sketchwidget-figures")
+        super().__init__([self._message, self._figures])
+        self.add_class("sketchwidget-status")
+
+    @property
+    def message(self) -> str:
+        """What the line says."""
+        return self._message.value
+
+    def say(self, *sentences: str) -> None:
+        """Say what happened and what comes next."""
+        self._message.remove_class("sketchwidget-error")
+        self._message.value = " ".join(sentence for sentence in sentences if sentence)
+
+    def fail(self, sentence: str) -> None:
+        """Say what went wrong."""
+        self._message.add_class("sketchwidget-error")
+        self._message.value = sentence
+
+    def show_figures(self, mode: str, timings: Mapping[str, float]) -> None:
+        """Show the mode and how long its steps took, in milliseconds."""
+        figures = [f"{name} {timings[name]:.0f} ms" for name in SHOWN_TIMINGS if name in timings]
+        self._figures.value = " · ".join([mode.capitalize(), *figures])
+
+
+def expected_next(sketch: Sketch) -> str:
+    """What is still to be drawn, as a sentence: from the names that the lines of the sketch were given."""
+    if not len(sketch):
+        return "Draw the outline of a face; the head follows every stroke."
+    names = {segment.name for segment in sketch.segments}
+    missing = [] if SILHOUETTE in names else ["the outline"]
+    missing += [part for part, word in PARTS.items() if not any(word in name for name in names)]
+    if not missing:
+        return "Redraw any line, or turn the head with a drag."
+    *most, last = missing
+    return f"Still to draw: {', '.join(most)}{' and ' if most else ''}{last}, in any order."
+
+
+def sentence(error: BaseException) -> str:
+    """What an exception says, as a sentence."""
+    text = " ".join(str(error).split()) or type(error).__name__
+    return text[0].upper() + text[1:] + ("" if text.endswith((".", "!", "?")) else ".")

@@ -1,0 +1,201 @@
+"""The Studio: draw a face on the pad, and the head beside it follows."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Any
+
+import numpy as np
+import traitlets
+from ipywidgets import Box, Label, VBox, jslink
+
+from ..face import FaceModel
+from ..session import Session
+from . import toolbar
+from .download import Downloads
+from .head_view import HeadView
+from .keyboard import Keyboard
+from .pad import Pad
+from .status import Status, expected_next, sentence
+
+TOOLS = ("pen", "eraser")
+VIEWS = ("front", "left", "right", "three-quarter")
+EXPORTS = {"obj": "model/obj", "glb": "model/gltf-binary"}
+SESSION_NAME, SESSION_TYPE = "drawing.jsonl", "application/jsonl"
+
+
+class Studio(VBox):
+    """A drawing pad and the 3D head that follows it.
+
+    Parameters
+    ----------
+    session : Session, optional
+        What is drawn and the face it gives; a new one if not given. Scripts may work on it too: the Studio shows what
+        it becomes. Another session may be assigned to the trait at any time.
+
+    Attributes
+    ----------
+    session : Session
+        The session on show.
+    """
+
+    session = traitlets.Instance(Session)
+
+    def __init__(self, session: Session | None = None) -> None:
+        session = Session() if session is None else session
+        self._resting_face = FaceModel.load().face() if session.face is None else session.face
+        self._pad = Pad()
+        self._head = HeadView(self._resting_face)
+        self._status = Status()
+        self._downloads = Downloads()
+        self._loaded: tuple[Session, Session, int] | None = None  # former, loaded, and the latter's number of events
+        super().__init__()
+        self.children = self._layout()
+        self.add_class("sketchwidget-studio")
+        self._pad.widget.on_stroke(self._on_stroke)
+        self.session = session
+
+    def __repr__(self) -> str:
+        return f"Studio({self.session!r})"
+
+    # -- building ------------------------------------------------------------------------------------------------------
+
+    def _layout(self) -> list[Any]:
+        self._tools = toolbar.choice(*TOOLS)
+        self._mirror, self._ghost = toolbar.toggle("mirror"), toolbar.toggle("ghost")
+        self._undo, self._redo, self._clear = (toolbar.button(name) for name in ("undo", "redo", "clear"))
+        views = [toolbar.button(name) for name in VIEWS]
+        save, load = toolbar.button("save"), toolbar.picker("load", ".jsonl,.json")
+        exports = [toolbar.button(name) for name in EXPORTS]
+
+        # Linked in the browser, so that a stroke right after a key is drawn with the tool that the key chose.
+        jslink((self._tools, "index"), (self._pad.widget, "tool"))
+        jslink((self._mirror, "value"), (self._pad.widget, "mirror"))
+        self._ghost.observe(lambda _: self._show_drawing(), "value")
+        self._undo.on_click(lambda _: self._on_undo())
+        self._redo.on_click(lambda _: self._on_redo())
+        self._clear.on_click(lambda _: self._on_clear())
+        for name, button in zip(VIEWS, views, strict=True):
+            button.on_click(lambda _, name=name: self._head.look(name))
+        save.on_click(lambda _: self._on_save())
+        load.observe(self._on_load, "value")
+        for name, button in zip(EXPORTS, exports, strict=True):
+            button.on_click(lambda _, name=name: self._on_export(name))
+
+        self._mode = Label()
+        self._mode.add_class("sketchwidget-mode")
+        title = _classed(Box([self._mode, toolbar.bar((save, load), tuple(exports))]), "sketchwidget-title")
+        edits = (self._undo, self._redo, self._clear)
+        pad_bar = toolbar.bar((self._tools,), edits, (self._mirror, self._ghost))
+        drawing = _classed(VBox([pad_bar, self._pad.widget]), "sketchwidget-panel")
+        head_bar = _classed(toolbar.bar(tuple(views)), "sketchwidget-views")
+        head = _classed(VBox([head_bar, self._head.widget]), "sketchwidget-panel")
+        desk = _classed(Box([drawing, head]), "sketchwidget-desk")
+        return [title, desk, self._status, self._downloads, Keyboard(bindings=toolbar.bindings(TOOLS))]
+
+    # -- the session, shown --------------------------------------------------------------------------------------------
+
+    @traitlets.observe("session")
+    def _on_session(self, change: dict[str, Any]) -> None:
+        if isinstance(change["old"], Session):
+            change["old"].unobserve(self._on_change)
+        self.session.observe(self._on_change)
+        self._show_all()
+        self._status.say(expected_next(self.session.sketch))
+
+    def _on_change(self, change: dict[str, Any]) -> None:
+        # The session sets all its traits before it tells of any: the first call shows the whole.
+        with self._reporting("The Studio could not show the change"):
+            self._show_all()
+
+    def _show_all(self) -> None:
+        session = self.session
+        face = self._resting_face if session.face is None else session.face
+        self._head.show(face, session.frame)
+        self._show_drawing()
+        toolbar.set_useful(self._undo, session.can_undo or self._just_loaded)
+        toolbar.set_useful(self._redo, session.can_redo)
+        toolbar.set_useful(self._clear, bool(len(session.sketch)))
+        self._mode.value = session.mode.capitalize()
+        self._status.show_figures(session.mode, session.timings)
+
+    def _show_drawing(self) -> None:
+        session = self.session
+        face = self._resting_face if session.face is None else session.face
+        self._pad.show(session.sketch, face.sketch(view=session.frame) if self._ghost.value else None)
+
+    @contextmanager
+    def _reporting(self, failing: str) -> Iterator[None]:
+        """Turn an exception into a sentence in the status line: what failed, and why."""
+        try:
+            yield
+        except Exception as error:
+            self.log.debug("%s", failing, exc_info=True)
+            self._status.fail(f"{failing}: {sentence(error)}")
+
+    # -- what the user does --------------------------------------------------------------------------------------------
+
+    def _on_stroke(self, points: np.ndarray, tool: str, mirror: bool) -> None:
+        with self._reporting("The head could not follow this stroke, the drawing is kept"):
+            if tool == "eraser":
+                erased = self.session.erase(points[:, :2], radius=self._pad.widget.radius)
+                happened = "Erased." if erased else "Nothing to erase there."
+            else:
+                self.session.draw(points[:, :2], mirror=mirror)
+                happened = "Both strokes drawn." if mirror else "Stroke drawn."
+            self._status.say(happened, expected_next(self.session.sketch))
+
+    def _on_undo(self) -> None:
+        with self._reporting("Nothing could be undone"):
+            if self._just_loaded and self._loaded is not None:
+                self.session = self._loaded[0]
+                self._status.say("The drawing from before the loading is back.")
+            else:
+                happened = "Undone." if self.session.undo() else "Nothing to undo."
+                self._status.say(happened, expected_next(self.session.sketch))
+
+    def _on_redo(self) -> None:
+        with self._reporting("Nothing could be redone"):
+            happened = "Redone." if self.session.redo() else "Nothing to redo."
+            self._status.say(happened, expected_next(self.session.sketch))
+
+    def _on_clear(self) -> None:
+        with self._reporting("The drawing could not be cleared"):
+            self.session.clear()
+            self._status.say("Cleared; undo brings the drawing back.", expected_next(self.session.sketch))
+
+    def _on_export(self, suffix: str) -> None:
+        with self._reporting("The head could not be exported"):
+            face = self._resting_face if self.session.face is None else self.session.face
+            self._downloads.save(f"head.{suffix}", face.to_bytes(suffix), EXPORTS[suffix])
+            self._status.say(f"The head is exported as head.{suffix}.")
+
+    def _on_save(self) -> None:
+        with self._reporting("The session could not be saved"):
+            self._downloads.save(SESSION_NAME, self.session.dumps().encode(), SESSION_TYPE)
+            self._status.say(f"The session is saved as {SESSION_NAME}; load it to go on from here.")
+
+    def _on_load(self, change: dict[str, Any]) -> None:
+        if not change["new"]:
+            return
+        file = change["new"][0]
+        change["owner"].value = ()  # so that the same file can be picked again
+        with self._reporting(f"{file.name} was not loaded, the drawing is kept"):
+            loaded = Session.loads(bytes(file.content).decode(), regressor=self.session.regressor)
+            self._loaded = (self.session, loaded, len(loaded.events))
+            self.session = loaded
+            self._status.say(f"{file.name} is loaded; undo brings the former drawing back.")
+
+    @property
+    def _just_loaded(self) -> bool:
+        """Whether the session on show is as it was loaded from a file, so that undo undoes the loading."""
+        if self._loaded is None:
+            return False
+        _, loaded, events = self._loaded
+        return self.session is loaded and len(loaded.events) == events
+
+
+def _classed(widget: Any, name: str) -> Any:
+    widget.add_class(name)
+    return widget

@@ -1,0 +1,172 @@
+"""A Studio on a page, as its user has it: drawing with a pointer, pressing keys, looking at pad and head."""
+
+from __future__ import annotations
+
+import base64
+import io
+import time
+from collections.abc import Callable, Iterable
+from typing import Any, TypeVar
+
+import numpy as np
+from jupyter_page import DEADLINE
+from PIL import Image
+from playwright.sync_api import ElementHandle, Locator, Page
+
+T = TypeVar("T")
+ANGLES = np.linspace(-np.pi / 2, 1.5 * np.pi, 33)
+OVAL = np.stack([0.5 + 0.27 * np.cos(ANGLES), 0.5 + 0.39 * np.sin(ANGLES)], axis=1)  # the outline of a face
+
+
+def until(get: Callable[[], T], holds: Callable[[T], bool] = bool, what: str = "what is expected") -> T:
+    """Poll until ``holds(get())``, for as long as two busy cores may take; the value."""
+    deadline = time.monotonic() + DEADLINE
+    while True:
+        value = get()
+        if holds(value):
+            return value
+        if time.monotonic() > deadline:
+            raise AssertionError(f"{what} did not come within {DEADLINE:.0f} s; last seen: {str(value)[:300]}")
+        time.sleep(0.05)
+
+
+class StudioPage:
+    """One Studio of a page, by its number in reading order."""
+
+    def __init__(self, page: Page, number: int = 0) -> None:
+        self.page = page
+        self.root = page.locator(".sketchwidget-studio").nth(number)
+        self.pad = self.root.locator(".sketchwidget-pad")
+        self.head = self.root.locator(".sketchwidget-head")
+        self.errors: list[str] = []
+
+    def wait_until_shown(self) -> StudioPage:
+        self.root.locator(".sketchwidget-shown").wait_for(timeout=1000 * DEADLINE)
+        self.root.locator(".sketchwidget-pad canvas").wait_for(timeout=1000 * DEADLINE)
+        self.root.scroll_into_view_if_needed()
+        until(lambda: self.serial, what="the first frame")
+        until(self.pad_size, lambda size: size[0] >= size[1], "a pad as fine as the screen")
+        return self
+
+    # -- what the user does --------------------------------------------------------------------------------------------
+
+    def on_screen(self, point: Iterable[float]) -> tuple[float, float]:
+        """A canvas point in the page's coordinates."""
+        box = self.pad.bounding_box()
+        assert box is not None
+        x, y = point
+        return box["x"] + x * box["width"], box["y"] + y * box["height"]
+
+    def draw(self, points: Iterable[Iterable[float]], button: str = "left") -> None:
+        """Draw with the mouse; canvas coordinates."""
+        first, *others = points
+        self.page.mouse.move(*self.on_screen(first))
+        self.page.mouse.down(button=button)
+        for point in others:
+            self.page.mouse.move(*self.on_screen(point))
+        self.page.mouse.up(button=button)
+
+    def press(self, keys: str) -> None:
+        """Press keys with the pointer over the pad."""
+        self.pad.hover()
+        self.page.keyboard.press(keys)
+
+    def button(self, name: str) -> Locator:
+        return self.root.locator(f".sketchwidget-do-{name}")
+
+    def is_useful(self, name: str) -> bool:
+        return "sketchwidget-idle" not in (self.button(name).get_attribute("class") or "")
+
+    def click(self, name: str) -> None:
+        self.button(name).click()
+
+    def is_on(self, name: str) -> bool:
+        if name in ("pen", "eraser"):
+            found = self.root.locator(f".sketchwidget-choice-pen button:nth-of-type({1 + (name == 'eraser')})")
+        else:
+            found = self.button(name)
+        return "mod-active" in (found.get_attribute("class") or "")
+
+    def start_afresh(self) -> None:
+        """An empty pad, the pen, the front view, no toggles: whatever a test before this one left."""
+        self.page.keyboard.up("Control")
+        for name in ("mirror", "ghost"):
+            if self.is_on(name):
+                self.click(name)
+                until(lambda name=name: not self.is_on(name))
+        self.press("p")
+        self.press("1")
+        if self.is_useful("clear"):
+            self.click("clear")
+        until(self.ink_pixels, lambda pixels: pixels == 0, "an empty pad")
+        until(lambda: not self.is_useful("clear"))
+        until(self.turning, lambda turning: not turning)
+
+    # -- what the user sees --------------------------------------------------------------------------------------------
+
+    @property
+    def message(self) -> str:
+        return self.root.locator(".sketchwidget-message").inner_text()
+
+    @property
+    def figures(self) -> str:
+        return self.root.locator(".sketchwidget-figures").inner_text()
+
+    def _handle(self) -> ElementHandle:
+        return self.head.element_handle()
+
+    @property
+    def serial(self) -> int:
+        """The number of the last mesh on screen, 0 before the first."""
+        return self._handle().evaluate("head => head.sketchwidget?.serial ?? 0")
+
+    def positions(self) -> np.ndarray:
+        """Vertex positions (V, 3) of the mesh on the page."""
+        flat = self._handle().evaluate("head => Array.from(head.sketchwidget.geometry.getAttribute('position').array)")
+        return np.array(flat, dtype=np.float32).reshape(-1, 3)
+
+    def camera(self) -> dict[str, Any]:
+        """Direction of the camera and its frame in millimetres."""
+        return self._handle().evaluate(
+            """head => {
+                const { position, left, right, top, bottom, zoom } = head.sketchwidget.camera;
+                return { direction: position.clone().normalize().toArray(), left, right, top, bottom, zoom };
+            }"""
+        )
+
+    def turning(self) -> bool:
+        """Whether the camera moves."""
+        before = self.camera()
+        time.sleep(0.15)
+        return self.camera() != before
+
+    def pad_size(self) -> tuple[int, float]:
+        """Pixels of the pad's backing store, and of the screen that it covers."""
+        store, screen = self.pad.locator("canvas").evaluate(
+            "canvas => [canvas.width, canvas.clientWidth * window.devicePixelRatio]"
+        )
+        return store, screen
+
+    def ink(self) -> np.ndarray:
+        """The pad's pixels (n, n, 4) uint8, the paper transparent."""
+        size, data = self.pad.locator("canvas").evaluate(
+            """canvas => {
+                const { data } = canvas.getContext('2d').getImageData(0, 0, canvas.width, canvas.height);
+                let text = '';
+                for (let i = 0; i < data.length; i += 9999) text += String.fromCharCode(...data.subarray(i, i + 9999));
+                return [canvas.width, btoa(text)];
+            }"""
+        )
+        return np.frombuffer(base64.b64decode(data), dtype=np.uint8).reshape(size, size, 4)
+
+    def ink_pixels(self) -> int:
+        """How many pixels of the pad hold ink."""
+        return int((self.ink()[..., 3] > 0).sum())
+
+    def head_pixels(self) -> np.ndarray:
+        """A picture (h, w, 3) uint8 of the head as it is on screen."""
+        return np.array(Image.open(io.BytesIO(self.head.screenshot())).convert("RGB"))
+
+    def wait_for_frame(self, after: int) -> int:
+        """Wait for a mesh later than number ``after`` to be on screen; its number."""
+        return until(lambda: self.serial, lambda serial: serial > after, "a new frame")
