@@ -1,5 +1,6 @@
 """Strokes and drawings in 2D: lines and segments, resampling, erasing, rasterising."""
 
+from .erase import erase, segments_hit
 from .names import COLOURS, FEATURES, LINE_NAMES, SILHOUETTE, UNNAMED, WRINKLE, kind, mirrored
 from .polyline import arc_length, resample, resample_spacing
 from .raster import rasterise
@@ -17,9 +18,11 @@ __all__ = [
     "Sketch",
     "arc_length",
     "as_stroke",
+    "erase",
     "kind",
     "mirrored",
     "rasterise",
     "resample",
     "resample_spacing",
+    "segments_hit",
 ]

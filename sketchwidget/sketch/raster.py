@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import cv2
 import numpy as np
 
-THICKNESS = 0.008  # of the canvas: two pixels of the 256-pixel image that the networks see
+THICKNESS = 0.008  # of the canvas: in the 256-pixel image that the networks see, OpenCV covers three pixels
 
 _SHIFT = 6  # fractional bits of a pixel coordinate
 _FAR = 64.0  # canvas units; nearer than this nothing overflows, and no drawn line reaches so far
