@@ -1,0 +1,137 @@
+"""What a user can do, as values: each event is a small frozen object and a JSON object."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields
+from typing import Any
+
+import numpy as np
+
+from sketchwidget.sketch import as_stroke
+from sketchwidget.sketch.erase import as_radius
+
+VIEWS = ("front",)
+
+_DECIMALS = 5  # of a coordinate: 2.5 micrometres of the head
+
+
+class Event:
+    """One event; events are equal if their JSON objects are."""
+
+    def to_json(self) -> dict[str, Any]:
+        """The event as a JSON object: its kind under "event", then its fields."""
+        values = {field.name: _plain(getattr(self, field.name)) for field in fields(self)}  # type: ignore[arg-type]
+        return {"event": _kind(type(self)), **values}
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Event) and self.to_json() == other.to_json()
+
+    __hash__ = None  # type: ignore[assignment]
+
+
+@dataclass(frozen=True, eq=False)
+class Draw(Event):
+    """A stroke of the pen.
+
+    Parameters
+    ----------
+    points : (n, 2) array-like
+        Canvas points, kept as float32 rounded to 1e-5 as they are written: a session read back is equal bit for bit.
+    view : str
+        The view it is drawn in: "front".
+    mirror : bool
+        Whether its mirror image about the axis x = 0.5 is drawn with it.
+
+    Raises
+    ------
+    ValueError
+        If the points are no stroke, or the view or `mirror` are anything else.
+    """
+
+    points: np.ndarray
+    view: str = "front"
+    mirror: bool = False
+
+    def __post_init__(self) -> None:
+        if self.view not in VIEWS:
+            raise ValueError(f"a stroke is drawn in the view {' or '.join(VIEWS)}; given {self.view!r}")
+        if not isinstance(self.mirror, bool):
+            raise ValueError(f"mirror is true or false; given {self.mirror!r}")
+        object.__setattr__(self, "points", _rounded(self.points))
+
+
+@dataclass(frozen=True, eq=False)
+class Erase(Event):
+    """A pass of the eraser.
+
+    Parameters
+    ----------
+    points : (n, 2) array-like
+        Where its centre went, in canvas points, rounded as those of `Draw`.
+    radius : float
+        In canvas units, from 0.001 to 1.
+
+    Raises
+    ------
+    ValueError
+        If the points are no stroke or the radius is out of range.
+    """
+
+    points: np.ndarray
+    radius: float
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "points", _rounded(self.points))
+        object.__setattr__(self, "radius", as_radius(self.radius))
+
+
+@dataclass(frozen=True, eq=False)
+class Clear(Event):
+    """All ink goes."""
+
+
+@dataclass(frozen=True, eq=False)
+class Undo(Event):
+    """The last edit that counts is taken back."""
+
+
+@dataclass(frozen=True, eq=False)
+class Redo(Event):
+    """The last edit taken back counts again."""
+
+
+_KINDS = {"draw": Draw, "erase": Erase, "clear": Clear, "undo": Undo, "redo": Redo}
+
+
+def event_from_json(given: Any) -> Event:
+    """The event of a JSON object.
+
+    Raises
+    ------
+    ValueError
+        If the object is no event; the message says why.
+    """
+    if not isinstance(given, dict):
+        raise ValueError("an event is a JSON object")
+    values = dict(given)
+    kind = values.pop("event", None)
+    if not isinstance(kind, str) or kind not in _KINDS:
+        raise ValueError(f'the "event" is one of {", ".join(_KINDS)}; given {kind!r}')
+    expected = {field.name for field in fields(_KINDS[kind])}
+    if values.keys() != expected:
+        raise ValueError(f"the event {kind!r} has the fields {sorted(expected)}; given {sorted(values)}")
+    return _KINDS[kind](**values)
+
+
+def _kind(event: type[Event]) -> str:
+    return event.__name__.lower()
+
+
+def _plain(value: Any) -> Any:
+    """A field's value as JSON has it. Points leave float32 for the decimal number they were rounded to."""
+    return np.round(value.astype(np.float64), _DECIMALS).tolist() if isinstance(value, np.ndarray) else value
+
+
+def _rounded(points: Any) -> np.ndarray:
+    # Bounded before and after: resampling leaves more decimals, and rounding can make a short stroke a dot.
+    return as_stroke(np.round(as_stroke(points).astype(np.float64), _DECIMALS))

@@ -1,0 +1,69 @@
+"""Sessions as text: JSON lines, a header and then one event a line."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from typing import Any
+
+from .events import Event, event_from_json
+
+FORMAT = "sketchwidget session"
+VERSION = 1
+
+
+class SessionFileError(ValueError):
+    """A session that cannot be read; the message says what is wrong, and where."""
+
+
+def dumps(events: Sequence[Event]) -> str:
+    """The text of a session with these events."""
+    header = {"format": FORMAT, "version": VERSION, "events": len(events)}
+    return "".join(
+        json.dumps(line, separators=(",", ":")) + "\n" for line in [header, *(event.to_json() for event in events)]
+    )
+
+
+def loads(text: str) -> list[Event]:
+    """The events of a session's text.
+
+    Raises
+    ------
+    SessionFileError
+        If the text is no session, cut short, of a newer version, or has a line that is no event.
+    """
+    header, *lines = text.removesuffix("\n").split("\n")
+    count = _event_count(_parsed(header, 1))
+    if len(lines) != count:
+        raise SessionFileError(
+            f"the session has {len(lines)} events where its first line announces {count}: cut short?"
+        )
+    return [_event(line, number) for number, line in enumerate(lines, start=2)]
+
+
+def _event(line: str, number: int) -> Event:
+    given = _parsed(line, number)
+    try:
+        return event_from_json(given)
+    except ValueError as error:
+        raise SessionFileError(f"line {number} of the session is no event: {error}") from error
+
+
+def _parsed(line: str, number: int) -> Any:
+    try:
+        return json.loads(line)
+    except (ValueError, RecursionError) as error:
+        raise SessionFileError(f"line {number} of the session is no JSON, or cut short: {error}") from error
+
+
+def _event_count(header: Any) -> int:
+    if not isinstance(header, dict) or header.get("format") != FORMAT:
+        raise SessionFileError(f'this is no session: its first line has no "format": "{FORMAT}"')
+    version, count = header.get("version"), header.get("events")
+    if type(version) is not int or version < 1:
+        raise SessionFileError(f"the version of the session is a positive number; given {version!r}")
+    if version > VERSION:
+        raise SessionFileError(f"the session is of version {version}; this sketchwidget reads up to version {VERSION}")
+    if type(count) is not int or count < 0:
+        raise SessionFileError(f'the "events" of the session\'s first line are a number; given {count!r}')
+    return count

@@ -1,0 +1,84 @@
+"""The edits of a session that count, and those taken back."""
+
+from __future__ import annotations
+
+from collections import deque
+
+from .apply import apply
+from .events import Event, Redo, Undo
+from .state import State
+
+KEPT_STATES = 50
+
+
+class History:
+    """A line of edits from the empty canvas to the present state.
+
+    The last 50 states before the present one are kept whole. An undo further back replays the edits: `apply` is pure,
+    so this gives exactly the state that was.
+    """
+
+    def __init__(self) -> None:
+        self._done: list[Event] = []
+        self._undone: list[Event] = []
+        self._states = deque([State()], maxlen=KEPT_STATES + 1)
+
+    @property
+    def state(self) -> State:
+        """The present state."""
+        return self._states[-1]
+
+    @property
+    def can_undo(self) -> bool:
+        """Whether an edit can be taken back."""
+        return bool(self._done)
+
+    @property
+    def can_redo(self) -> bool:
+        """Whether an edit was taken back, and nothing done since."""
+        return bool(self._undone)
+
+    def record(self, event: Event) -> bool:
+        """Do what an event says.
+
+        Returns
+        -------
+        bool
+            Whether it changed anything: an edit without effect, or an undo or redo with nothing to go to, is not kept.
+
+        Raises
+        ------
+        ValueError
+            If the edit cannot be applied; the history is as before.
+        """
+        match event:
+            case Undo():
+                return self._undo()
+            case Redo():
+                return self._redo()
+        state = apply(self.state, event)
+        if state is self.state:
+            return False
+        self._done.append(event)
+        self._undone.clear()
+        self._states.append(state)
+        return True
+
+    def _undo(self) -> bool:
+        if not self._done:
+            return False
+        self._undone.append(self._done.pop())
+        self._states.pop()
+        if not self._states:
+            self._states.append(State())
+            for edit in self._done:
+                self._states.append(apply(self.state, edit))
+        return True
+
+    def _redo(self) -> bool:
+        if not self._undone:
+            return False
+        edit = self._undone.pop()
+        self._done.append(edit)
+        self._states.append(apply(self.state, edit))
+        return True
