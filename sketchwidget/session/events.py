@@ -15,18 +15,17 @@ VIEWS = ("front",)
 _DECIMALS = 5  # of a coordinate: 2.5 micrometres of the head
 
 
+@dataclass(frozen=True, eq=False)
 class Event:
     """One event; events are equal if their JSON objects are."""
 
     def to_json(self) -> dict[str, Any]:
         """The event as a JSON object: its kind under "event", then its fields."""
-        values = {field.name: _plain(getattr(self, field.name)) for field in fields(self)}  # type: ignore[arg-type]
-        return {"event": _kind(type(self)), **values}
+        values = {field.name: _plain(getattr(self, field.name)) for field in fields(self)}
+        return {"event": type(self).__name__.lower(), **values}
 
     def __eq__(self, other: object) -> bool:
         return isinstance(other, Event) and self.to_json() == other.to_json()
-
-    __hash__ = None  # type: ignore[assignment]
 
 
 @dataclass(frozen=True, eq=False)
@@ -100,7 +99,7 @@ class Redo(Event):
     """The last edit taken back counts again."""
 
 
-_KINDS = {"draw": Draw, "erase": Erase, "clear": Clear, "undo": Undo, "redo": Redo}
+_KINDS = {event.__name__.lower(): event for event in (Draw, Erase, Clear, Undo, Redo)}
 
 
 def event_from_json(given: Any) -> Event:
@@ -121,10 +120,6 @@ def event_from_json(given: Any) -> Event:
     if values.keys() != expected:
         raise ValueError(f"the event {kind!r} has the fields {sorted(expected)}; given {sorted(values)}")
     return _KINDS[kind](**values)
-
-
-def _kind(event: type[Event]) -> str:
-    return event.__name__.lower()
 
 
 def _plain(value: Any) -> Any:
