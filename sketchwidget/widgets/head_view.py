@@ -9,15 +9,15 @@ from ..face import Face
 from ..geometry import View
 from .mesh_stream import MeshStream
 
-CAMERA_DISTANCE = 1000.0  # mm; an orthographic picture does not depend on it, the lights' directions below do
+CAMERA_DISTANCE = 1000  # mm; an orthographic picture does not depend on it, the lights' directions below do
 
-# Lights stand still as seen from the camera: colour, intensity, direction to the light (x right, y up, z to the viewer).
+# Lights, still as seen from the camera: colour, intensity, direction to the light (x right, y up, z to the viewer).
 LIGHTS = (
-    ("#fff4e6", 0.62, (-0.55, 0.65, 0.62)),  # key, warm, from above left: noses and brows cast their form
-    ("#dfe8ff", 0.20, (0.85, 0.05, 0.45)),  # fill, cool, so that the far cheek keeps its shape
-    ("#ffffff", 0.38, (0.65, 0.45, -0.75)),  # rim, from behind, drawing the outline of the dark side
+    ("#fff3e4", 0.74, (-0.50, 0.60, 0.72)),  # key, warm, from above left: noses and brows cast their form
+    ("#e3ebff", 0.26, (0.85, 0.00, 0.55)),  # fill, cool, so that the far cheek keeps its shape
+    ("#ffffff", 0.42, (0.55, 0.50, -0.75)),  # rim, from behind, drawing the outline of the dark side
 )
-SKY, GROUND, AMBIENT = "#f4f6fb", "#8a7c72", 0.46  # light from all around, paler above
+SKY, GROUND, AMBIENT = "#f7f8fc", "#9c8d86", 0.44  # light from all around, paler above
 
 
 class HeadView:
@@ -51,7 +51,9 @@ class HeadView:
         camera = three.OrthographicCamera(
             -125, 125, 125, -125, near=1, far=2 * CAMERA_DISTANCE, position=(0, 0, CAMERA_DISTANCE), children=_lights()
         )
-        scene = three.Scene(children=[mesh, camera, three.HemisphereLight(SKY, GROUND, AMBIENT)], background=None)
+        ambient = three.HemisphereLight(SKY, GROUND)
+        ambient.intensity = AMBIENT
+        scene = three.Scene(children=[mesh, camera, ambient], background=None)
         renderer = three.Renderer(
             scene,
             camera,
@@ -83,5 +85,6 @@ def _lights() -> list[three.DirectionalLight]:
     lights = []
     for colour, intensity, direction in LIGHTS:
         position = CAMERA_DISTANCE * np.array(direction) / np.linalg.norm(direction) - (0, 0, CAMERA_DISTANCE)
-        lights.append(three.DirectionalLight(colour, intensity, position=tuple(position.tolist())))
+        lights.append(three.DirectionalLight(colour, position=tuple(position.tolist())))
+        lights[-1].intensity = intensity
     return lights

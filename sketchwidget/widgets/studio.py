@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
+from threading import Thread
 from typing import Any
 
 import numpy as np
 import traitlets
 from ipywidgets import Box, Label, VBox, jslink
 
-from ..face import FaceModel
+from ..face import Face, FaceModel
 from ..session import Session
 from . import toolbar
 from .download import Downloads
@@ -44,7 +45,8 @@ class Studio(VBox):
 
     def __init__(self, session: Session | None = None) -> None:
         session = Session() if session is None else session
-        self._resting_face = FaceModel.load().face() if session.face is None else session.face
+        # A session infers its first face when asked for it; the mean face needs no network, so the page has it at once.
+        self._resting_face = session.face if session.trait_has_value("face") else FaceModel.load().face()
         self._pad = Pad()
         self._head = HeadView(self._resting_face)
         self._status = Status()
@@ -54,6 +56,8 @@ class Studio(VBox):
         self.children = self._layout()
         self.add_class("sketchwidget-studio")
         self._pad.widget.on_stroke(self._on_stroke)
+        self._head.widget.on_ready(self._wake)
+        self._waking = Thread(target=_wake, args=[session], daemon=True)
         self.session = session
 
     def __repr__(self) -> str:
@@ -111,8 +115,7 @@ class Studio(VBox):
 
     def _show_all(self) -> None:
         session = self.session
-        face = self._resting_face if session.face is None else session.face
-        self._head.show(face, session.frame)
+        self._head.show(self._face, session.frame)
         self._show_drawing()
         toolbar.set_useful(self._undo, session.can_undo or self._just_loaded)
         toolbar.set_useful(self._redo, session.can_redo)
@@ -121,9 +124,12 @@ class Studio(VBox):
         self._status.show_figures(session.mode, session.timings)
 
     def _show_drawing(self) -> None:
-        session = self.session
-        face = self._resting_face if session.face is None else session.face
-        self._pad.show(session.sketch, face.sketch(view=session.frame) if self._ghost.value else None)
+        ghost = self._face.sketch(view=self.session.frame) if self._ghost.value else None
+        self._pad.show(self.session.sketch, ghost)
+
+    @property
+    def _face(self) -> Face:
+        return self.session.face if self.session.trait_has_value("face") else self._resting_face
 
     @contextmanager
     def _reporting(self, failing: str) -> Iterator[None]:
@@ -134,9 +140,16 @@ class Studio(VBox):
             self.log.debug("%s", failing, exc_info=True)
             self._status.fail(f"{failing}: {sentence(error)}")
 
+    def _wake(self) -> None:
+        """Load the network while the user looks at the page: the first stroke would wait some seconds for it."""
+        if not self._waking.ident:
+            self._waking.start()
+
     # -- what the user does --------------------------------------------------------------------------------------------
 
     def _on_stroke(self, points: np.ndarray, tool: str, mirror: bool) -> None:
+        if self._waking.is_alive():
+            self._status.say("The network is waking up; the head follows in a moment.")
         with self._reporting("The head could not follow this stroke, the drawing is kept"):
             if tool == "eraser":
                 erased = self.session.erase(points[:, :2], radius=self._pad.widget.radius)
@@ -167,8 +180,7 @@ class Studio(VBox):
 
     def _on_export(self, suffix: str) -> None:
         with self._reporting("The head could not be exported"):
-            face = self._resting_face if self.session.face is None else self.session.face
-            self._downloads.save(f"head.{suffix}", face.to_bytes(suffix), EXPORTS[suffix])
+            self._downloads.save(f"head.{suffix}", self._face.to_bytes(suffix), EXPORTS[suffix])
             self._status.say(f"The head is exported as head.{suffix}.")
 
     def _on_save(self) -> None:
@@ -182,7 +194,7 @@ class Studio(VBox):
         file = change["new"][0]
         change["owner"].value = ()  # so that the same file can be picked again
         with self._reporting(f"{file.name} was not loaded, the drawing is kept"):
-            loaded = Session.loads(bytes(file.content).decode(), regressor=self.session.regressor)
+            loaded = Session.loads(bytes(file.content).decode(), regressor=self.session._regressor)
             self._loaded = (self.session, loaded, len(loaded.events))
             self.session = loaded
             self._status.say(f"{file.name} is loaded; undo brings the former drawing back.")
@@ -194,6 +206,12 @@ class Studio(VBox):
             return False
         _, loaded, events = self._loaded
         return self.session is loaded and len(loaded.events) == events
+
+
+def _wake(session: Session) -> None:
+    # What fails here fails again, and is told, when it is needed.
+    with suppress(Exception):
+        session._loaded_regressor()
 
 
 def _classed(widget: Any, name: str) -> Any:

@@ -1,0 +1,96 @@
+"""How fast the Studio is in a browser: pen to ink, and pen-up to updated head, in JupyterLab on this machine.
+
+    python benchmarks/browser.py [--strokes 30]
+
+Both are measured in the page. *Ink* is from the time stamp of a pointer event to the end of the animation frame that drew it;
+*head* from the time stamp of the pointer's release to the end of the rendering of the mesh that answers it: network,
+inference and the way to the kernel and back are in it. What the compositor does after that, usually one more frame, is not.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+import tempfile
+import time
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from playwright.sync_api import sync_playwright
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests" / "browser"))
+
+from jupyter_page import launch_chromium, open_in_lab, serve, write_notebook
+from studio_page import OVAL, StudioPage, until
+
+POINTER_RATE = 120.0  # samples a second, a usual pen's
+LISTEN = """() => {
+    window.measured = { ink: [], head: [] };
+    let released = null;
+    const studio = document.querySelector('.sketchwidget-studio');
+    studio.addEventListener('sketchwidget:ink', ({ detail }) => {
+        if (detail.since !== null) window.measured.ink.push(detail.drawn - detail.since);
+    });
+    studio.addEventListener('pointerup', (event) => (released = event.timeStamp), { capture: true });
+    studio.addEventListener('sketchwidget:frame', ({ detail }) => {
+        if (released !== null) window.measured.head.push(detail.drawn - released);
+        released = null;
+    });
+}"""
+
+
+def measure(strokes: int = 30) -> dict[str, Any]:
+    """Draw ``strokes`` strokes and measure each.
+
+    Returns
+    -------
+    dict
+        ``"ink"`` and ``"head"``, each with ``"median"`` and ``"p95"`` in milliseconds and the ``"count"`` of samples.
+    """
+    with tempfile.TemporaryDirectory() as folder, sync_playwright() as playwright:
+        notebook = write_notebook(Path(folder), "studio", "import sketchwidget as sw\nsw.Studio()")
+        browser = launch_chromium(playwright)
+        with serve("lab", Path(folder)) as address:
+            page = browser.new_page(viewport={"width": 1280, "height": 900})
+            open_in_lab(page, address, notebook)
+            studio = StudioPage(page).wait_until_shown()
+            _draw(studio, OVAL)  # the first stroke waits for the network to load
+            page.evaluate(LISTEN)
+            for number in range(strokes):
+                shift = 0.1 * np.sin(number), 0.1 * np.cos(number)
+                _draw(studio, 0.5 + 0.15 * (OVAL[:12] - 0.5) + shift)
+            measured = page.evaluate("window.measured")
+        browser.close()
+    return {name: _summary(values) for name, values in measured.items()}
+
+
+def _draw(studio: StudioPage, points: np.ndarray) -> None:
+    before = studio.serial
+    studio.page.mouse.move(*studio.on_screen(points[0]))
+    studio.page.mouse.down()
+    for x, y in [studio.on_screen(point) for point in points[1:]]:
+        studio.page.mouse.move(x, y)
+        time.sleep(1 / POINTER_RATE)
+    studio.page.mouse.up()
+    studio.wait_for_frame(before)
+    until(lambda: studio.message, lambda said: said.startswith("Stroke drawn"), "the end of a stroke")
+
+
+def _summary(values: list[float]) -> dict[str, float]:
+    return {
+        "median": round(float(np.median(values)), 1),
+        "p95": round(float(np.percentile(values, 95)), 1),
+        "count": len(values),
+    }
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--strokes", type=int, default=30)
+    print(json.dumps(measure(parser.parse_args().strokes), indent=2))
+
+
+if __name__ == "__main__":
+    main()

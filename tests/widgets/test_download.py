@@ -1,0 +1,10 @@
+from __future__ import annotations
+
+from sketchwidget.widgets.download import Downloads
+
+
+def test_a_file_goes_to_the_page_whole(sent):
+    downloads = Downloads()
+    messages = sent(downloads)
+    downloads.save("head.obj", b"v 0 0 0", "model/obj")
+    assert messages == [({"type": "file", "name": "head.obj", "mime": "model/obj"}, [b"v 0 0 0"])]

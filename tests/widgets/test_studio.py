@@ -1,0 +1,169 @@
+"""The Studio's half in the kernel, with a regressor that answers at once."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from sketchwidget.geometry import View
+from sketchwidget.session import Session
+from sketchwidget.widgets import Studio, studio
+
+OVAL = [(0.3, 0.5), (0.5, 0.1), (0.7, 0.5), (0.5, 0.9), (0.3, 0.5)]
+
+
+class FakeRegressor:
+    """Each stroke makes the head wider; the first is the outline."""
+
+    broken = False
+
+    def __init__(self, face):
+        self.face = face
+
+    def infer(self, sketch):
+        if self.broken:
+            raise RuntimeError("the weights are gone")
+        names = tuple("silhouette" if number == 0 else "nose" for number in range(len(sketch)))
+        return SimpleNamespace(face=self.face(50.0 + len(sketch)), frame=View(), names=names, timings={})
+
+
+@pytest.fixture
+def regressor(face):
+    return FakeRegressor(type(face))
+
+
+@pytest.fixture
+def shown(regressor, face, monkeypatch):
+    monkeypatch.setattr(studio, "FaceModel", SimpleNamespace(load=lambda: SimpleNamespace(face=lambda: face)))
+    return Studio(Session(regressor))
+
+
+def stroke(shown, points=OVAL, tool="pen", mirror=False):
+    points = np.column_stack([np.asarray(points, dtype=np.float32), np.zeros((len(points), 2), dtype=np.float32)])
+    shown._on_stroke(points, tool, mirror)
+
+
+def test_a_stroke_is_drawn_and_the_head_follows(shown, sent):
+    messages = sent(shown._head.widget)
+    stroke(shown)
+    assert list(shown.session.sketch.lines) == ["silhouette"]
+    (_, buffers), *more = messages
+    assert not more and np.frombuffer(buffers[0], dtype="<f4").max() == 100.0
+    assert np.frombuffer(buffers[0], dtype="<f4").min() == -51.0
+    assert shown._status.message == "Stroke drawn. Still to draw: eyes, brows, nose and mouth, in any order."
+
+
+def test_a_script_draws_and_the_studio_shows_it(shown, sent):
+    messages = sent(shown._head.widget)
+    shown.session.draw(OVAL)
+    assert len(messages) == 1 and shown._pad.widget.invitation == ""
+
+
+def test_the_first_face_is_not_inferred(shown):
+    assert not shown.session.trait_has_value("face")
+
+
+def test_tools_and_mirror(shown):
+    stroke(shown, mirror=True)
+    assert len(shown.session.sketch) == 2
+    stroke(shown, points=[(0.3, 0.4), (0.3, 0.6), (0.7, 0.6), (0.7, 0.4)], tool="eraser")
+    assert shown._status.message.startswith("Erased.")
+    stroke(shown, points=[(0.01, 0.01)], tool="eraser")
+    assert shown._status.message.startswith("Nothing to erase there.")
+
+
+def test_buttons_show_what_would_do_something(shown):
+    def useful(button):
+        return "sketchwidget-idle" not in button._dom_classes
+
+    assert not any(useful(button) for button in (shown._undo, shown._redo, shown._clear))
+    stroke(shown)
+    assert useful(shown._undo) and useful(shown._clear) and not useful(shown._redo)
+    shown._undo.click()
+    assert useful(shown._redo) and not useful(shown._undo) and not useful(shown._clear)
+    shown._undo.click()
+    assert shown._status.message.startswith("Nothing to undo.")
+
+
+def test_a_failing_network_is_a_sentence_and_keeps_the_drawing(shown, regressor):
+    regressor.broken = True
+    stroke(shown)
+    assert len(shown.session.sketch) == 1
+    expected = "The head could not follow this stroke, the drawing is kept: The weights are gone."
+    assert shown._status.message == expected
+    regressor.broken = False
+    stroke(shown)
+    assert len(shown.session.sketch) == 2 and shown._status.message.startswith("Stroke drawn.")
+
+
+def test_a_stroke_that_is_none_is_refused(shown):
+    stroke(shown)
+    stroke(shown, points=[(0.5, 50.0), (0.1, 0.1)])
+    assert len(shown.session.sketch) == 1 and "drawing is kept" in shown._status.message
+
+
+def load(shown, name, content):
+    shown._on_load({"new": (SimpleNamespace(name=name, content=memoryview(content)),), "owner": SimpleNamespace()})
+
+
+def test_loading_replaces_the_session_and_can_be_undone(shown):
+    stroke(shown)
+    text = shown.session.dumps()
+    shown._clear.click()
+    former = shown.session
+    load(shown, "drawing.jsonl", text.encode())
+    assert shown.session is not former and len(shown.session.sketch) == 1
+    shown._undo.click()
+    assert shown.session is former and len(shown.session.sketch) == 0
+
+
+def test_after_a_stroke_on_a_loaded_session_undo_takes_the_stroke(shown):
+    stroke(shown)
+    load(shown, "drawing.jsonl", shown.session.dumps().encode())
+    loaded = shown.session
+    stroke(shown)
+    shown._undo.click()
+    assert shown.session is loaded and len(loaded.sketch) == 1
+
+
+@pytest.mark.parametrize("content", [b"", b"Dear reader\n", b"\xff\xfe\x00", b'{"format": "sketchwidget session"'])
+def test_a_bad_file_is_a_sentence_and_keeps_the_drawing(shown, content):
+    stroke(shown)
+    session = shown.session
+    load(shown, "letter.txt", content)
+    assert shown.session is session and len(session.sketch) == 1
+    assert shown._status.message.startswith("letter.txt was not loaded, the drawing is kept: ")
+
+
+def test_the_ghost_is_the_heads_own_drawing(shown):
+    shown._ghost.value = True
+    assert shown._pad._ghost is not None and len(shown._pad._ghost) == 1
+    shown._ghost.value = False
+    assert shown._pad._ghost is None
+
+
+def test_another_session_is_shown_and_the_former_let_go(shown, regressor, sent):
+    former = shown.session
+    shown.session = Session(regressor)
+    messages = sent(shown._head.widget)
+    former.draw(OVAL)
+    assert messages == []
+    shown.session.draw(OVAL)
+    assert len(messages) == 1
+
+
+def test_the_mode_is_named(shown):
+    assert shown._mode.value == "Initial" and shown._status._figures.value.startswith("Initial")
+
+
+def test_the_repr_is_short(shown):
+    assert len(repr(shown)) < 100
+
+
+def test_studio_does_not_import_torch_before_it_is_on_a_page():
+    code = "import sys, sketchwidget as sw; sw.Studio(); sys.exit('torch' in sys.modules)"
+    assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
