@@ -1,10 +1,11 @@
-"""How fast the Studio is in a browser: pen to ink, and pen-up to updated head, in JupyterLab on this machine.
+"""How fast the Studio is in JupyterLab on this machine: pen to ink, pen-up to updated head, and until it is shown.
 
     python benchmarks/browser.py [--strokes 30]
 
-Both are measured in the page. *Ink* is from the time stamp of a pointer event to the end of the animation frame that drew it;
-*head* from the time stamp of the pointer's release to the end of the rendering of the mesh that answers it: network,
-inference and the way to the kernel and back are in it. What the compositor does after that, usually one more frame, is not.
+All is measured in the page. *Ink* is from the time stamp of a pointer event to the end of the animation frame that drew
+it. *Head* is from the time stamp of the pointer's release to the end of the rendering of the mesh that answers it, so
+that it holds the way to the kernel and back and the inference. What the compositor does then, usually one more frame,
+is in neither. *Shown* is from running the cell, in a kernel that is idle, to a pad and a head on screen.
 """
 
 from __future__ import annotations
@@ -47,7 +48,8 @@ def measure(strokes: int = 30) -> dict[str, Any]:
     Returns
     -------
     dict
-        ``"ink"`` and ``"head"``, each with ``"median"`` and ``"p95"`` in milliseconds and the ``"count"`` of samples.
+        ``"ink"`` and ``"head"``, each with ``"median"`` and ``"p95"`` in milliseconds and the ``"count"`` of samples;
+        ``"shown"`` in seconds.
     """
     with tempfile.TemporaryDirectory() as folder, sync_playwright() as playwright:
         notebook = write_notebook(Path(folder), "studio", "import sketchwidget as sw\nsw.Studio()")
@@ -55,7 +57,9 @@ def measure(strokes: int = 30) -> dict[str, Any]:
         with serve("lab", Path(folder)) as address:
             page = browser.new_page(viewport={"width": 1280, "height": 900})
             open_in_lab(page, address, notebook)
+            started = time.perf_counter()
             studio = StudioPage(page).wait_until_shown()
+            shown = time.perf_counter() - started
             _draw(studio, OVAL)  # the first stroke waits for the network to load
             page.evaluate(LISTEN)
             for number in range(strokes):
@@ -63,7 +67,7 @@ def measure(strokes: int = 30) -> dict[str, Any]:
                 _draw(studio, 0.5 + 0.15 * (OVAL[:12] - 0.5) + shift)
             measured = page.evaluate("window.measured")
         browser.close()
-    return {name: _summary(values) for name, values in measured.items()}
+    return {name: _summary(values) for name, values in measured.items()} | {"shown": round(shown, 1)}
 
 
 def _draw(studio: StudioPage, points: np.ndarray) -> None:

@@ -107,9 +107,13 @@ async function render({ model, el }) {
     if (!stroke) return;
     stroke.drawn = draw(stroke, stroke.drawn);
     wet.trigger("new-frame");
-    const detail = { since, drawn: performance.now() };
+    const first = since;
     since = null;
-    pad.dispatchEvent(new CustomEvent("sketchwidget:ink", { bubbles: true, detail }));
+    // ipycanvas brings a new frame to its views in a microtask, which is before this one.
+    queueMicrotask(() => {
+      const detail = { since: first, drawn: performance.now() };
+      pad.dispatchEvent(new CustomEvent("sketchwidget:ink", { bubbles: true, detail }));
+    });
   }
 
   function add(event) {

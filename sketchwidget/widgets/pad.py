@@ -13,7 +13,7 @@ from ..sketch.names import COLOURS, kind
 from .ink import Ink
 
 LINE_WIDTH = 0.005  # canvas units: 2.4 pixels on a pad of 480
-GHOST_COLOUR = "rgba(20, 130, 120, 0.34)"
+GHOST_COLOUR = "#b0d4cf"  # opaque, as its lines overlap where they meet
 START_SIZE = 256  # pixels, until a page says how many it shows
 INVITATION = "Draw the outline of a face"
 

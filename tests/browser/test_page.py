@@ -83,6 +83,19 @@ def test_the_front_view_has_250_mm_to_the_pads_height(studio: StudioPage) -> Non
     assert camera["top"] == pytest.approx(125) and camera["left"] == pytest.approx(-125) and camera["zoom"] == 1
 
 
+def test_the_front_view_lies_under_the_drawing(studio: StudioPage) -> None:
+    studio.press("g")
+    until(studio.ink_pixels, what="the ghost, which is the drawing of the head on show")
+    rows, columns = np.nonzero(studio.ink()[..., 3] > 100)
+    ghost = np.array([columns.min(), columns.max(), rows.min()]) / studio.pad_size()[0]
+
+    picture = studio.head_pixels().astype(int)[3:-3, 3:-3]
+    head = np.abs(picture - picture[5, 5]).max(axis=2) > 25
+    rows, columns = np.nonzero(head[: int(0.8 * len(head))])  # without the neck, which no line goes round
+    shown = (np.array([columns.min(), columns.max(), rows.min()]) + 3) / (len(head) + 6)
+    np.testing.assert_allclose(shown, ghost, atol=0.015)  # ears and crown, in canvas units
+
+
 def test_a_drag_turns_the_head(studio: StudioPage) -> None:
     box = studio.head.bounding_box()
     assert box is not None
