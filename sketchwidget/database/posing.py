@@ -15,13 +15,14 @@ from .source import FaceSource
 
 FACE_HEIGHT_MM = 200.0  # menton to crown
 _MENTON = 8  # iBUG landmark
+_CHUNK = 50  # identities that a process poses in one go; each go sends it the source anew
 
 
 class Posing:
     """Carries a source's expressions from its own resting head to any of its identities.
 
-    The skin and the mouth's lining are carried by deformation transfer (Sumner and Popovic 2004). Eyes, teeth and tongue, which
-    move rigidly if at all, take over the displacement as it is: all heads are aligned and of one size.
+    The skin and the mouth's lining are carried by deformation transfer (Sumner and Popovic 2004). Eyes, teeth and
+    tongue, which move rigidly if at all, take over the displacement as it is: all heads are aligned and of one size.
 
     Parameters
     ----------
@@ -61,11 +62,18 @@ class Posing:
     def all(self, numbers: Iterable[int], jobs: int = 1) -> np.ndarray:
         """Many identities at once, spread by joblib: (identities, expressions, n, 3) float32."""
         numbers = list(numbers)
-        heads = Parallel(n_jobs=jobs, return_as="generator")(delayed(self)(number) for number in numbers)
+        chunks = [numbers[start : start + _CHUNK] for start in range(0, len(numbers), _CHUNK)]
+        done = Parallel(n_jobs=jobs, return_as="generator")(delayed(self._chunk)(chunk) for chunk in chunks)
         posed = np.empty((len(numbers), *self._displacements.shape), dtype=np.float32)
-        for row, head in enumerate(tqdm(heads, total=len(numbers), desc="identities", unit="head")):
-            posed[row] = head
+        bar = tqdm(total=len(numbers), desc="identities", unit="head")
+        for chunk, heads in zip(range(0, len(numbers), _CHUNK), done, strict=True):
+            posed[chunk : chunk + _CHUNK] = heads
+            bar.update(_CHUNK)
+        bar.close()
         return posed
+
+    def _chunk(self, numbers: list[int]) -> np.ndarray:
+        return np.stack([self(number) for number in numbers])
 
 
 def to_millimetres(head: np.ndarray, template: Template) -> tuple[float, np.ndarray]:
@@ -76,7 +84,8 @@ def to_millimetres(head: np.ndarray, template: Template) -> tuple[float, np.ndar
     scale : float
         Brings menton to crown to 200 mm.
     origin : (3,) array
-        The point, in the head's own units, midway between menton and crown in the plane of symmetry, and midway in depth.
+        The point, in the head's own units, midway between menton and crown in the plane of symmetry, and midway in
+        depth.
     """
     skin = head[template.fine_parts == PARTS.index("skin")]
     menton, crown = head[template.landmarks[_MENTON], 1], skin[:, 1].max()

@@ -14,7 +14,7 @@ _IRIS_ANGLE, _PUPIL_ANGLE = 31.0, 15.0  # degrees from the eye's axis
 
 
 def vertex_colors(template: Template, mean: np.ndarray) -> np.ndarray:
-    """Colour (V, 3) float32 of each fine vertex, by part; iris and pupil by their angle about the mean head's eye axes."""
+    """Colour (V, 3) float32 of each fine vertex, by part; iris and pupil by their angle about the mean eyes' axes."""
     colors = np.array([_COLORS[part] for part in PARTS], dtype=np.float32)[template.fine_parts]
     eyes = template.fine_parts == PARTS.index("eyes")
     for side in (mean[:, 0] > 0, mean[:, 0] < 0):

@@ -5,16 +5,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-import tensorly
-from scipy.linalg import eigh, svd
 
 
 @dataclass(frozen=True)
 class Bilinear:
     """A bilinear model of flattened meshes, compressed in the vertex mode too.
 
-    ``mean + basis @ (core x_2 u x_3 v)`` is a mesh: equation 1 of DeepSketch2Face, its core ``C`` being ``basis @ core``, on a
-    tensor with the mean taken out (so that half precision is enough to store the basis).
+    ``mean + basis @ (core x_2 u x_3 v)`` is a mesh: equation 1 of DeepSketch2Face, its core ``C`` being ``basis @
+    core``, on a tensor with the mean taken out (so that half precision is enough to store the basis).
 
     Parameters
     ----------
@@ -36,49 +34,25 @@ class Bilinear:
     expressions: np.ndarray
 
 
-def decompose(tensor: np.ndarray, rank: tuple[int, int], components: int) -> Bilinear:
-    """Higher-order singular value decomposition of a face tensor, truncated.
+def fit(model: Bilinear, mesh: np.ndarray, iterations: int = 10) -> tuple[np.ndarray, np.ndarray]:
+    """Weights of a given mesh by alternating least squares, from the mean identity on.
 
     Parameters
     ----------
-    tensor : (i, e, d) array
-        Flattened meshes of i identities in e expressions.
-    rank : (int, int)
-        Identity and expression size, (50, 16) in the paper.
-    components : int
-        Size k of the vertex mode; it bounds the size of the stored model.
+    model : Bilinear
+    mesh : (d,) array
+        Flattened coordinates, millimetres, aligned as the model is.
+    iterations : int
 
     Returns
     -------
-    Bilinear
-
-    Raises
-    ------
-    ValueError
-        If a rank is larger than its mode.
-
-    References
-    ----------
-    De Lathauwer, De Moor and Vandewalle, "A multilinear singular value decomposition", 2000.
+    u : (p,) float32 array
+    v : (q,) float32 array
     """
-    if tensor.ndim != 3 or rank[0] > tensor.shape[0] or rank[1] > tensor.shape[1]:
-        raise ValueError(f"a tensor (identities, expressions, coordinates) of {tensor.shape} has no rank {rank}")
-    mean = tensor.mean(axis=(0, 1), dtype=np.float64).astype(np.float32)
-    centred = tensor - mean
-    identities, expressions = (_leading(tensorly.unfold(centred, mode), size) for mode, size in enumerate(rank))
-    core = tensorly.tenalg.multi_mode_dot(centred, [identities.T, expressions.T], modes=[0, 1])
-    left, singular, right = svd(core.reshape(-1, core.shape[-1]), full_matrices=False)
-    kept = slice(0, components)
-    return Bilinear(
-        mean=mean,
-        basis=np.ascontiguousarray(right[kept].T, dtype=np.float32),
-        core=((left[:, kept] * singular[kept]).T.reshape(-1, *core.shape[:2])).astype(np.float32),
-        identities=identities.astype(np.float32),
-        expressions=expressions.astype(np.float32),
-    )
-
-
-def _leading(unfolded: np.ndarray, size: int) -> np.ndarray:
-    """Left singular vectors (rows, size), strongest first, by way of the small Gram matrix."""
-    gram = (unfolded @ unfolded.T).astype(np.float64)
-    return eigh(gram)[1][:, ::-1][:, :size].astype(np.float32)
+    code = (mesh - model.mean) @ model.basis
+    u = model.identities.mean(axis=0)
+    v = model.expressions.mean(axis=0)
+    for _ in range(iterations):
+        v = np.linalg.lstsq(np.einsum("kpq,p->kq", model.core, u), code, rcond=None)[0]
+        u = np.linalg.lstsq(model.core @ v, code, rcond=None)[0]
+    return u.astype(np.float32), v.astype(np.float32)

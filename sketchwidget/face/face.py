@@ -111,7 +111,7 @@ class Face:
         if suffix == "glb":
             mesh.apply_scale(0.001)
         data = mesh.export(file_type=suffix)
-        return data.encode() if isinstance(data, str) else data
+        return data.encode() if isinstance(data, str) else bytes(data)
 
     def export(self, path: str | os.PathLike[str]) -> None:
         """Write the head to a file whose suffix tells the format; see `to_bytes`."""

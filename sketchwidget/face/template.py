@@ -24,8 +24,8 @@ class Template:
     parts : (n,) uint8 array
         For each coarse vertex the index in `PARTS` of what it belongs to.
     curves : dict of (k,) int arrays
-        Fine vertex sequences by line name: the curve handles of DeepSketch2Face, Figure 3 (b). A closed curve ends where it
-        starts.
+        Fine vertex sequences by line name: the curve handles of DeepSketch2Face, Figure 3 (b). A closed curve ends
+        where it starts.
     landmarks : (68,) int array
         Fine vertices in iBUG order (the subject's right jaw first).
     """

@@ -18,7 +18,8 @@ def deformation_gradients(rest: np.ndarray, posed: np.ndarray, faces: np.ndarray
     Returns
     -------
     (m, 3, 3) array
-        ``Q`` with ``Q @ (rest edge) = posed edge``, and the fourth vertex (Sumner and Popovic, equation 2) mapped likewise.
+        ``Q`` with ``Q @ (rest edge) = posed edge``, and the fourth vertex (Sumner and Popovic, equation 2) mapped
+        likewise.
     """
     return _frames(posed, faces) @ np.linalg.inv(_frames(rest, faces))
 
@@ -35,7 +36,8 @@ def _frames(vertices: np.ndarray, faces: np.ndarray) -> np.ndarray:
 class DeformationTransfer:
     """Carries deformation gradients to a target at rest, with some vertices held where they are.
 
-    The fourth vertex of each target triangle is free, so that it always meets its gradient along the normal; what is left is
+    The fourth vertex of each target triangle is free, so that it always meets its gradient along the normal; what is
+    left is
     a Poisson problem in the area-weighted tangential gradients, with one factorisation for all right-hand sides.
 
     Parameters
@@ -53,7 +55,7 @@ class DeformationTransfer:
         if self._held.shape != (len(self._rest),) or not self._held.any():
             raise ValueError("deformation transfer holds at least one vertex in place; held is (n,) bool")
         gradient = igl.grad(self._rest, np.asarray(faces, dtype=np.int64))  # rows: x of all faces, then y, then z
-        area = np.tile(igl.doublearea(self._rest, np.asarray(faces, dtype=np.int64)) / 2, 3)
+        area = np.tile(0.5 * np.asarray(igl.doublearea(self._rest, np.asarray(faces, dtype=np.int64))), 3)
         divergence = gradient.T.multiply(area[None, :]).tocsr()
         laplacian = (divergence @ gradient).tocsc()
         free = ~self._held

@@ -8,7 +8,8 @@ import numpy as np
 
 from .view import CANVAS_MM, View
 
-# Directional lights in the viewer's frame and their strength: a key from the upper left, a weak fill, a rim from behind.
+# Directional lights in the viewer's frame and their strength: a key from the upper left, a weak fill, a rim from
+# behind.
 _LIGHTS = np.array([[-0.5, 0.6, 0.75], [0.8, 0.1, 0.5], [0.3, 0.5, -0.9]])
 _STRENGTHS = np.array([0.75, 0.22, 0.25])
 _AMBIENT = 0.22

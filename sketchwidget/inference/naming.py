@@ -1,0 +1,74 @@
+"""Names for freehand strokes: each is the line of the inferred head that it runs along."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+from scipy.spatial import KDTree
+
+from ..sketch import UNNAMED, WRINKLE, arc_length, resample
+from .outline import Outline
+
+_SAMPLES = 24
+_NEAR = 0.07  # mean distance to a line, of the outline's size
+_LENGTHS = (0.25, 3.0)  # a stroke's length over the line's
+
+# Where ears may be drawn, in the outline's box: height of their middle, and how tall and how broad they are.
+_EAR_MIDDLE, _EAR_HEIGHT, _EAR_BREADTH = (0.2, 0.85), (0.06, 0.6), 0.4
+_EAR_REACH = 0.15
+
+
+def belongs(stroke: np.ndarray, outline: Outline) -> bool:
+    """Whether a stroke says something of the face: it lies within the outline or may be an ear beside it.
+
+    Hair, a hat or a neck does not; left out, they cannot move the rest.
+    """
+    points = resample(stroke, _SAMPLES)
+    within = outline.holds(points)
+    if within.mean() > 0.5:
+        return True
+    low, high = outline.points.min(axis=0), outline.points.max(axis=0)
+    box = (points - low) / (high - low)
+    x, y = box.mean(axis=0)
+    breadth, height = np.ptp(box, axis=0)
+    beside = (x < 0.12 or x > 0.88) and _EAR_MIDDLE[0] < y < _EAR_MIDDLE[1]
+    near = max(-box[:, 0].max(), box[:, 0].min() - 1) < _EAR_REACH
+    return bool(beside and near and breadth < _EAR_BREADTH and _EAR_HEIGHT[0] < height < _EAR_HEIGHT[1])
+
+
+def name_strokes(
+    strokes: Sequence[np.ndarray], outline: Outline, lines: Mapping[str, np.ndarray], counted: Sequence[bool]
+) -> tuple[str, ...]:
+    """A line name for each stroke.
+
+    Parameters
+    ----------
+    strokes : sequence of (n, 2) arrays
+        Canvas points.
+    outline : Outline
+        Its strokes are the silhouette.
+    lines : mapping of (k, 2) arrays
+        The feature lines of the inferred head where it stands on the canvas.
+    counted : sequence of bool
+        Which strokes belong to the face; the others stay unnamed, and of these those along no line are wrinkles.
+    """
+    size = float(np.sqrt(np.prod(np.ptp(outline.points, axis=0))))
+    trees = {name: KDTree(resample(line, 2 * _SAMPLES)) for name, line in lines.items()}
+    lengths = {name: arc_length(line)[-1] for name, line in lines.items()}
+
+    def name(index: int, stroke: np.ndarray) -> str:
+        if index in outline.strokes:
+            return "silhouette"
+        if not counted[index]:
+            return UNNAMED
+        points, length = resample(stroke, _SAMPLES), arc_length(stroke)[-1]
+        fitting = [
+            (float(tree.query(points)[0].mean()), line)
+            for line, tree in trees.items()
+            if _LENGTHS[0] * lengths[line] < length < _LENGTHS[1] * lengths[line]
+        ]
+        distance, line = min(fitting, default=(np.inf, WRINKLE))
+        return line if distance < _NEAR * size else WRINKLE
+
+    return tuple(name(index, stroke) for index, stroke in enumerate(strokes))

