@@ -51,6 +51,7 @@ class Studio(VBox):
         self._head = HeadView(self._resting_face)
         self._status = Status()
         self._downloads = Downloads()
+        self._shown: tuple[Any, ...] = (None,) * 4  # what of the session is on show
         self._loaded: tuple[Session, Session, int] | None = None  # former, loaded, and the latter's number of events
         super().__init__()
         self.children = self._layout()
@@ -109,9 +110,13 @@ class Studio(VBox):
         self._status.say(expected_next(self.session.sketch))
 
     def _on_change(self, change: dict[str, Any]) -> None:
-        # The session sets all its traits before it tells of any: the first call shows the whole.
-        with self._reporting("The Studio could not show the change"):
-            self._show_all()
+        # There is one call a trait, but the session sets all of them before it tells of any: the first shows the whole.
+        session = self.session
+        state = (session.sketch, self._face, session.frame, session.timings)
+        if any(new is not old for new, old in zip(state, self._shown, strict=True)):
+            self._shown = state
+            with self._reporting("The Studio could not show the change"):
+                self._show_all()
 
     def _show_all(self) -> None:
         session = self.session

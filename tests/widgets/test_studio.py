@@ -167,3 +167,11 @@ def test_the_repr_is_short(shown):
 def test_studio_does_not_import_torch_before_it_is_on_a_page():
     code = "import sys, sketchwidget as sw; sw.Studio(); sys.exit('torch' in sys.modules)"
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
+
+
+def test_a_change_is_drawn_once(shown, monkeypatch):
+    drawings = []
+    monkeypatch.setattr(shown._pad, "show", lambda *drawing: drawings.append(drawing))
+    shown.session.draw(OVAL)
+    shown.session.undo()
+    assert len(drawings) == 2
