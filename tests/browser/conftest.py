@@ -10,7 +10,7 @@ from playwright.sync_api import Browser, BrowserContext, sync_playwright
 
 sys.path.insert(0, str(Path(__file__).parent))
 
-from jupyter_page import launch_chromium, open_in_lab, open_in_voila, serve, write_notebook
+from jupyter_page import DEADLINE, launch_chromium, open_in_lab, open_in_voila, serve, write_notebook
 from studio_page import StudioPage
 
 # Said by the front ends themselves, whatever is on the page: pythreejs whenever it shows; pages without a network.
@@ -75,6 +75,7 @@ def open_studio(
         address, folder = servers(kind, *options)
         notebook = write_notebook(folder, f"studio{count}", f"import sketchwidget as sw\n{code}")
         page = contexts(**context).new_page()
+        page.set_default_timeout(1000 * DEADLINE)
         studio = StudioPage(page)
         page.on("console", lambda said: studio.errors.append(said.text) if said.type == "error" else None)
         page.on("pageerror", lambda error: studio.errors.append(str(error)))
