@@ -19,12 +19,17 @@ from urllib.parse import quote
 import typer
 
 from sketchwidget import __version__
+from sketchwidget.training.commands import evaluate, train
 
 main = typer.Typer(
     help="Draw a face in a notebook, and a 3D head follows your pen.",
     no_args_is_help=True,
     add_completion=False,
 )
+
+
+main.add_typer(train, name="train")
+main.command()(evaluate)
 
 
 def fail(message: str) -> NoReturn:

@@ -14,6 +14,8 @@ from ..sketch import SILHOUETTE, rasterise
 from ..sketch.hand import Hand
 from .face_table import FaceTable, Stretch
 
+Stored = tuple[np.ndarray, np.ndarray, np.ndarray]
+
 PARTS = ("outline", "brows", "eyes", "nose", "mouth", "ears")
 _QUIET_MOUTHS = ("neutral", "eyes_closed")  # what a face without a drawn mouth may be doing
 
@@ -104,21 +106,44 @@ class Examples(IterableDataset):
         identity, expression = self._pick(random)
         if quiet:
             expression = self._quiet[int(random.random() < 0.15)]
-        points = self.table.points[identity, expression].astype(np.float32)
-        code = self.table.codes[identity, expression]
+        points, rest, code = self._stored(identity, expression)
         if not quiet and random.random() < 0.35:  # a weaker expression, or one between two
             other = self._neutral if random.random() < 0.6 else self._pick(random)[1]
-            points, code = self._mix(points, code, identity, other, random.uniform(0.0, 0.7))
+            points, rest, code = _mix((points, rest, code), self._stored(identity, other), random.uniform(0.0, 0.7))
         if random.random() < 0.3:  # somebody between two people
-            points, code = self._mix(points, code, self._pick(random)[0], expression, random.uniform(0.0, 0.5))
+            other = self._stored(self._pick(random)[0], expression)
+            points, rest, code = _mix((points, rest, code), other, random.uniform(0.0, 0.5))
         if random.random() < 0.15:  # an exaggerated face
-            stretch = random.uniform(0.1, 0.5)
-            rest = self.table.points[identity, self._neutral].astype(np.float32)
-            points = points + stretch * (rest - self._mean_points)
-            code = code + stretch * (self.table.codes[identity, self._neutral] - self._mean_code)
+            more = random.uniform(0.1, 0.5)
+            _, own, own_code = self._stored(identity, self._neutral)
+            points, rest = points + more * (own - self._mean_points), rest + more * (own - self._mean_points)
+            code = code + more * (own_code - self._mean_code)
         if self._stretch is not None and random.random() < 0.5:
-            points, code = self._stretch(points, code, float(np.exp(random.normal(0.07, 0.13))))
-        return points, code
+            ratio = float(np.exp(random.normal(0.07, 0.13)))
+            rest, _ = self._stretch(rest, code, ratio)
+            points, code = self._stretch(points, code, ratio)
+        return self._overdrawn(points, rest, random), code
+
+    def _overdrawn(self, points: np.ndarray, rest: np.ndarray, random: np.random.Generator) -> np.ndarray:
+        """Points (p, 3) with the expression of brows and mouth drawn stronger than it is, as people do."""
+        drawn = self.table.lines(points)
+        at_rest = self.table.lines(rest)
+        for ending, most in (("brow", 2.8), ("mouth", 1.5)):
+            if random.random() < 0.5:
+                factor = random.uniform(1.0, most)
+                for name in drawn:
+                    if ending in name or (ending == "mouth" and name.startswith("lip")):
+                        drawn[name] = at_rest[name] + factor * (drawn[name] - at_rest[name])
+        return np.concatenate(list(drawn.values()))
+
+    def _stored(self, identity: int, expression: int) -> Stored:
+        """Line points (p, 3) of a face of the table, of the same identity at rest, and the face's code (k,)."""
+        points = self.table.points[identity]
+        return (
+            points[expression].astype(np.float32),
+            points[self._neutral].astype(np.float32),
+            self.table.codes[identity, expression],
+        )
 
     def _pick(self, random: np.random.Generator) -> tuple[int, int]:
         while True:
@@ -126,14 +151,10 @@ class Examples(IterableDataset):
             if not self._left_out[identity, expression]:
                 return identity, expression
 
-    def _mix(
-        self, points: np.ndarray, code: np.ndarray, identity: int, expression: int, share: float
-    ) -> tuple[np.ndarray, np.ndarray]:
-        other = self.table.points[identity, expression].astype(np.float32)
-        return (
-            points + share * (other - points),
-            code + share * (self.table.codes[identity, expression] - code),
-        )
+
+def _mix(face: Stored, other: Stored, share: float) -> Stored:
+    points, rest, code = (one + share * (two - one) for one, two in zip(face, other, strict=True))
+    return points, rest, code
 
 
 def draw_example(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import math
 import time
 from dataclasses import dataclass
 from pathlib import Path
@@ -36,10 +37,17 @@ class Schedule:
         Steps between checkpoints.
     """
 
-    steps: int = 5000
+    steps: int = 4400
     batch: int = 64
     rate: float = 2e-3
     checkpoint: int = 250
+
+    def rate_at(self, step: int) -> float:
+        """Learning rate of a step: risen linearly over the first twelfth, then fallen along a cosine to nothing."""
+        warm = self.steps / 12
+        if step < warm:
+            return self.rate * (step + 1) / warm
+        return self.rate * 0.5 * (1 + math.cos(math.pi * (step - warm) / (self.steps - warm)))
 
 
 def standardisation(model: FaceModel) -> dict[str, np.ndarray]:
@@ -108,11 +116,8 @@ def train(
     averaged = AveragedModel(network, multi_avg_fn=get_ema_multi_avg_fn(_AVERAGING), use_buffers=True)
     loss_of = VertexLoss(model, metric)
     optimizer = torch.optim.AdamW(network.parameters(), lr=schedule.rate, weight_decay=0.01)
-    rates = torch.optim.lr_scheduler.OneCycleLR(
-        optimizer, schedule.rate, total_steps=schedule.steps, pct_start=0.08, anneal_strategy="cos"
-    )
     checkpoint, done = folder / "checkpoint.pt", 0
-    parts = {"network": network, "averaged": averaged, "optimizer": optimizer, "rates": rates}
+    parts = {"network": network, "averaged": averaged, "optimizer": optimizer}
     if checkpoint.exists():
         state = torch.load(checkpoint, weights_only=True)
         for name, part in parts.items():
@@ -136,8 +141,9 @@ def train(
             optimizer.zero_grad(set_to_none=True)
             (loss + prior).backward()
             nn.utils.clip_grad_norm_(network.parameters(), 5.0)
+            for group in optimizer.param_groups:
+                group["lr"] = schedule.rate_at(step)
             optimizer.step()
-            rates.step()
             averaged.update_parameters(network)
             recent.append(loss.item())
             if (step + 1) % 50 == 0:

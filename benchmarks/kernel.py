@@ -1,0 +1,78 @@
+"""How fast the kernel's half is on this machine: import, inference, memory.
+
+python -m benchmarks.kernel [--repeat 100]
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import statistics
+import subprocess
+import sys
+import time
+from typing import Any
+
+import numpy as np
+
+import sketchwidget as sw
+
+_MEMORY = """
+import resource, sketchwidget as sw, numpy as np
+studio = sw.Studio()
+turn = np.linspace(0, 2 * np.pi, 60)
+studio.session.draw(np.stack([0.5 + 0.27 * np.sin(turn), 0.5 - 0.39 * np.cos(turn)], axis=1))
+print(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss)
+"""
+
+
+def measure(repeat: int = 100) -> dict[str, Any]:
+    """Milliseconds (medians) of each step, and the memory in MB of a Python that holds a Studio after a stroke."""
+    regressor = sw.FaceRegressor.load()
+    sketch = sw.FaceModel.load().face(expression="laugh").sketch()
+    image = sketch.image()
+    identity, expression = regressor.weights(image)
+    return {
+        "import": _fresh("import sketchwidget"),
+        "network": _median(lambda: regressor.weights(image), repeat),
+        "mesh": _median(lambda: regressor.model.vertices(identity, expression), repeat),
+        "inference": _median(lambda: regressor.infer(sketch), repeat),
+        "session": _stroke(regressor, repeat),
+        "memory": int(subprocess.check_output([sys.executable, "-c", _MEMORY])) / 1024,
+    }
+
+
+def _median(step: Any, repeat: int) -> float:
+    times = []
+    for _ in range(repeat + 5):
+        began = time.perf_counter()
+        step()
+        times.append(time.perf_counter() - began)
+    return 1000 * statistics.median(times[5:])
+
+
+def _stroke(regressor: sw.FaceRegressor, repeat: int) -> float:
+    """A whole `Session.draw` of one more eyebrow on a drawn face."""
+    session = sw.Session(regressor)
+    turn = np.linspace(0, 2 * np.pi, 60)
+    session.draw(np.stack([0.5 + 0.27 * np.sin(turn), 0.5 - 0.39 * np.cos(turn)], axis=1))
+    brow = np.array([[0.33, 0.41], [0.39, 0.385], [0.46, 0.40]])
+
+    def step() -> None:
+        session.draw(brow)
+        session.undo()
+
+    return _median(step, repeat // 2) / 2
+
+
+def _fresh(code: str, repeat: int = 7) -> float:
+    """Median milliseconds of a statement in a fresh Python."""
+    timed = f"import time; t = time.perf_counter(); {code}; print(time.perf_counter() - t)"
+    times = [float(subprocess.check_output([sys.executable, "-c", timed])) for _ in range(repeat)]
+    return 1000 * statistics.median(times)
+
+
+if __name__ == "__main__":
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--repeat", type=int, default=100)
+    print(json.dumps(measure(parser.parse_args().repeat), indent=1))

@@ -1,0 +1,132 @@
+"""From drawings to heads with the shipped network."""
+
+import numpy as np
+import pytest
+import torch
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from sketchwidget import FaceModel, FaceRegressor, Sketch
+from sketchwidget.inference.network import TINY, PixelCNN
+from sketchwidget.inference.regressor import save_network
+from sketchwidget.training.network import standardisation
+
+EAR = np.array([[0.23, 0.44], [0.19, 0.43], [0.18, 0.5], [0.2, 0.57], [0.24, 0.58]])
+HAIR = np.array([[0.21, 0.5], [0.22, 0.25], [0.35, 0.08], [0.5, 0.04], [0.65, 0.08], [0.78, 0.25], [0.79, 0.5]])
+
+
+def mouth_height(face):
+    return face.curve("mouth_upper")[24, 1] - face.curve("mouth_lower")[14, 1]
+
+
+def corner_lift(face):
+    """How far the corners of the mouth stand above its middle, mm."""
+    line = face.curve("mouth_lower")
+    return line[[0, -1], 1].mean() - line[14, 1]
+
+
+def test_an_empty_pad_is_the_mean_face(regressor):
+    result = regressor.infer(Sketch())
+    np.testing.assert_array_equal(result.face.vertices, regressor.model.mean)
+    assert result.names == ()
+
+
+def test_the_same_drawing_moved_or_scaled_gives_the_same_face(regressor, drawing):
+    face = regressor.predict(Sketch.from_strokes(drawing))
+    for scale, offset in ((0.5, [0.1, 0.3]), (0.8, [0.15, 0.05]), (1.1, [-0.05, -0.05])):
+        moved = regressor.predict(Sketch.from_strokes([scale * stroke + offset for stroke in drawing]))
+        assert np.linalg.norm(moved.landmarks - face.landmarks, axis=1).max() < 1.0
+
+
+def test_ears_and_hair_do_not_shift_the_rest(regressor, drawing):
+    face = regressor.predict(Sketch.from_strokes(drawing))
+    for added in ([EAR, [1, 0] + EAR * [-1, 1]], [HAIR], [HAIR, EAR, [1, 0] + EAR * [-1, 1]]):
+        other = regressor.predict(Sketch.from_strokes([*drawing, *added]))
+        assert np.linalg.norm(other.landmarks - face.landmarks, axis=1).max() < 2.0
+
+
+def test_some_of_the_lines_already_give_a_sensible_face(regressor, drawing):
+    for count in (1, 2, 3):
+        face = regressor.predict(Sketch.from_strokes(drawing[:count]))
+        assert np.abs(face.vertices - regressor.model.mean).max() < 60
+        assert mouth_height(face) < 6  # no mouth is drawn: it is shut
+
+
+def test_a_broad_outline_gives_a_broad_head(regressor, drawing):
+    def ratio(factor):
+        strokes = [[0.5, 0] + (stroke - [0.5, 0]) * [factor, 1] for stroke in drawing]
+        outline = regressor.predict(Sketch.from_strokes(strokes)).curve("silhouette")
+        return np.ptp(outline[:, 0]) / np.ptp(outline[:, 1])
+
+    assert ratio(0.85) < ratio(1.0) - 0.02 < ratio(1.2) - 0.04
+
+
+def test_a_smile_smiles_a_frown_frowns_and_an_open_mouth_opens(regressor, drawing):
+    def with_mouth(points):
+        return regressor.predict(Sketch.from_strokes([*drawing[:4], np.array(points)]))
+
+    smile = with_mouth([[0.38, 0.68], [0.43, 0.72], [0.5, 0.74], [0.57, 0.72], [0.62, 0.68]])
+    frown = with_mouth([[0.41, 0.755], [0.45, 0.73], [0.5, 0.72], [0.55, 0.73], [0.59, 0.755]])
+    flat = regressor.predict(Sketch.from_strokes(drawing))
+    assert corner_lift(smile) > corner_lift(flat) + 2
+    assert corner_lift(frown) < corner_lift(flat) - 1
+    angle = np.linspace(0, 2 * np.pi, 40)
+    shout = with_mouth(np.stack([0.5 + 0.06 * np.cos(angle), 0.75 + 0.075 * np.sin(angle)], axis=1))
+    assert mouth_height(shout) > mouth_height(flat) + 12
+
+
+def test_strokes_are_named(regressor, drawing):
+    result = regressor.infer(Sketch.from_strokes([*drawing, EAR, HAIR]))
+    assert result.names[0] == "silhouette"
+    assert result.names[1].startswith("right_eye") and result.names[2].startswith("left_eye")
+    assert result.names[3] == "nose" and result.names[4].startswith("mouth")
+    assert result.names[5] == "right_ear" and result.names[6] == "unnamed"
+
+
+def test_the_head_stands_where_the_drawing_is(regressor, drawing):
+    result = regressor.infer(Sketch.from_strokes([0.6 * stroke + [0.3, 0.1] for stroke in drawing]))
+    outline = result.frame.project(result.face.curve("silhouette"))
+    np.testing.assert_allclose(outline.min(axis=0), 0.6 * drawing[0].min(axis=0) + [0.3, 0.1], atol=0.03)
+    np.testing.assert_allclose(outline.max(axis=0), 0.6 * drawing[0].max(axis=0) + [0.3, 0.1], atol=0.03)
+
+
+@given(st.lists(st.lists(st.tuples(st.floats(-1, 2), st.floats(-1, 2)), min_size=1, max_size=6), max_size=6))
+@settings(max_examples=25, deadline=None)
+def test_any_strokes_give_a_finite_head(strokes):
+    face = _cached().predict(Sketch.from_strokes([np.array(stroke) for stroke in strokes]))
+    assert np.isfinite(face.vertices).all()
+    assert np.abs(face.vertices).max() < 400
+
+
+def _cached(made=[]):  # noqa: B006  (hypothesis cannot take the fixture)
+    if not made:
+        made.append(FaceRegressor.load())
+    return made[0]
+
+
+def test_networks_are_tied_to_their_face_model(tmp_path):
+    model = FaceModel.load()
+    torch.manual_seed(0)
+    network = PixelCNN(model.identity_size, model.expression_size, TINY)
+    save_network(tmp_path / "tiny.safetensors", network, TINY, standardisation(model), model, {"command": "test"})
+    again = FaceRegressor.load(str(tmp_path / "tiny.safetensors"))
+    image = Sketch.from_strokes([EAR, HAIR]).image()
+    expected = FaceRegressor(model, network, standardisation(model)).weights(image)
+    np.testing.assert_array_equal(again.weights(image)[0], expected[0])
+    model.bilinear.core[:] += 1
+    with pytest.raises(ValueError, match="another face model"):
+        FaceRegressor.load(str(tmp_path / "tiny.safetensors"), model)
+
+
+def test_files_that_are_no_network_say_so(tmp_path):
+    with pytest.raises(FileNotFoundError, match="no network 'AlexNet'"):
+        FaceRegressor.load("AlexNet")
+    (tmp_path / "text").write_text("nothing")
+    with pytest.raises(ValueError, match="no safetensors file"):
+        FaceRegressor.load(str(tmp_path / "text"))
+
+
+def test_shipped_network_is_small():
+    from importlib.resources import files
+
+    assert (files("sketchwidget") / "data" / "pixelcnn.safetensors").stat().st_size < 14e6
