@@ -31,11 +31,11 @@ def measure(repeat: int = 100) -> dict[str, Any]:
     regressor = sw.FaceRegressor.load()
     sketch = sw.FaceModel.load().face(expression="laugh").sketch()
     image = sketch.image()
-    identity, expression = regressor.weights(image)
+    identity, expression = regressor.weights(image[None])
     return {
         "import": _fresh("import sketchwidget"),
-        "network": _median(lambda: regressor.weights(image), repeat),
-        "mesh": _median(lambda: regressor.model.vertices(identity, expression), repeat),
+        "network": _median(lambda: regressor.weights(image[None]), repeat),
+        "mesh": _median(lambda: regressor.model.vertices(identity[0], expression[0]), repeat),
         "inference": _median(lambda: regressor.infer(sketch), repeat),
         "session": _stroke(regressor, repeat),
         "memory": int(subprocess.check_output([sys.executable, "-c", _MEMORY])) / 1024,

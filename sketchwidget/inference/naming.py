@@ -15,30 +15,28 @@ _NEAR = 0.07  # mean distance to a line, of the outline's size
 _LENGTHS = (0.25, 3.0)  # a stroke's length over the line's
 
 # Where ears may be drawn, in the outline's box: height of their middle, and how tall and how broad they are.
-_EAR_MIDDLE, _EAR_HEIGHT, _EAR_BREADTH = (0.2, 0.85), (0.06, 0.6), 0.4
+_EAR_MIDDLE, _EAR_HEIGHT, _EAR_BREADTH = (0.28, 0.8), (0.06, 0.45), 0.35
 _EAR_REACH = 0.15
 
 
-def belongs(stroke: np.ndarray, outline: Outline) -> bool:
-    """Whether a stroke says something of the face: it lies within the outline or may be an ear beside it.
-
-    Hair, a hat or a neck does not; left out, they cannot move the rest.
-    """
+def whereabouts(stroke: np.ndarray, outline: Outline) -> str:
+    """Where a stroke lies: "inside" the outline, beside it as an "ear" may, or "outside", as hair or a neck does."""
     points = resample(stroke, _SAMPLES)
     within = outline.holds(points)
     if within.mean() > 0.5:
-        return True
+        return "inside"
     low, high = outline.points.min(axis=0), outline.points.max(axis=0)
     box = (points - low) / (high - low)
     x, y = box.mean(axis=0)
     breadth, height = np.ptp(box, axis=0)
     beside = (x < 0.12 or x > 0.88) and _EAR_MIDDLE[0] < y < _EAR_MIDDLE[1]
     near = max(-box[:, 0].max(), box[:, 0].min() - 1) < _EAR_REACH
-    return bool(beside and near and breadth < _EAR_BREADTH and _EAR_HEIGHT[0] < height < _EAR_HEIGHT[1])
+    small = breadth < _EAR_BREADTH and _EAR_HEIGHT[0] < height < _EAR_HEIGHT[1]
+    return "ear" if beside and near and small else "outside"
 
 
 def name_strokes(
-    strokes: Sequence[np.ndarray], outline: Outline, lines: Mapping[str, np.ndarray], counted: Sequence[bool]
+    strokes: Sequence[np.ndarray], outline: Outline, lines: Mapping[str, np.ndarray], places: Sequence[str]
 ) -> tuple[str, ...]:
     """A line name for each stroke.
 
@@ -50,8 +48,8 @@ def name_strokes(
         Its strokes are the silhouette.
     lines : mapping of (k, 2) arrays
         The feature lines of the inferred head where it stands on the canvas.
-    counted : sequence of bool
-        Which strokes belong to the face; the others stay unnamed, and of these those along no line are wrinkles.
+    places : sequence of str
+        Whereabouts of each stroke. Those outside stay unnamed, the others are wrinkles where they run along no line.
     """
     size = float(np.sqrt(np.prod(np.ptp(outline.points, axis=0))))
     trees = {name: KDTree(resample(line, 2 * _SAMPLES)) for name, line in lines.items()}
@@ -60,7 +58,7 @@ def name_strokes(
     def name(index: int, stroke: np.ndarray) -> str:
         if index in outline.strokes:
             return "silhouette"
-        if not counted[index]:
+        if places[index] == "outside":
             return UNNAMED
         points, length = resample(stroke, _SAMPLES), arc_length(stroke)[-1]
         fitting = [

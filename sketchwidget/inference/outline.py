@@ -83,7 +83,7 @@ def _candidate(indices: tuple[int, ...], line: np.ndarray) -> _Candidate | None:
     if around < _AROUND:
         return None
     # A frown is an arc too: an outline that is open is open at the top.
-    if around < _CLOSED and (line[0, 1] + line[-1, 1]) / 2 > (low[1] + high[1]) / 2:
+    if around < _CLOSED and max(line[0, 1], line[-1, 1]) > (low[1] + high[1]) / 2:
         return None
     return _Candidate(Outline(indices, line), (width * height) ** 0.5, around)
 

@@ -19,13 +19,14 @@ from ..face.drawing import outline as drawn_outline
 from ..geometry.view import View
 from ..sketch import FEATURES, SILHOUETTE, UNNAMED, Sketch, rasterise
 from .framing import Frame, place
-from .naming import belongs, name_strokes
+from .naming import name_strokes, whereabouts
 from .network import Layout, PixelCNN
-from .outline import find_outline
+from .outline import Outline, find_outline
 
 FORMAT = "sketchwidget network 1"
 NETWORKS = {"PixelCNN": "pixelcnn.safetensors"}
 _MAX_BYTES = 512 * 2**20
+_MOVED_BY_EARS = 1.5  # mm
 _STANDARD = ("identity_mean", "identity_std", "expression_mean", "expression_std")
 
 
@@ -67,6 +68,9 @@ class FaceRegressor:
         self._network = network.eval().bfloat16()
         self._network.to(memory_format=torch.channels_last)  # pyright: ignore[reportCallIssue]
         self._standard = standard
+        corners = model.template.subdivision[model.landmarks].toarray()  # (68, n)
+        by_vertex = model.bilinear.basis.reshape(-1, 3, model.bilinear.basis.shape[1])
+        self._landmarks = np.einsum("ln,nck->lck", corners, by_vertex).reshape(3 * len(corners), -1)
 
     def predict(self, sketch: Sketch) -> Face:
         """The head that a drawing shows; an empty one shows the mean face."""
@@ -77,44 +81,63 @@ class FaceRegressor:
 
         Once an outline of the head is found, place and size are taken from it, and strokes that are outside it and no
         ears are left out: the same drawing moved or scaled gives the same head, and hair moves nothing. Before that the
-        canvas itself is the frame.
+        canvas itself is the frame. Ears beside the outline shape the head's ears and hardly anything else.
         """
         began = time.perf_counter()
         strokes = [segment.points for segment in sketch.segments]
-        named = tuple(segment.name for segment in sketch.segments)
         outline = find_outline(strokes)
-        counted = [
-            outline is None or index in outline.strokes or belongs(stroke, outline)
-            for index, stroke in enumerate(strokes)
-        ]
-        frame = Frame() if outline is None else Frame.of_outline(outline.points)
-        image = rasterise([frame(stroke) for stroke, counts in zip(strokes, counted, strict=True) if counts])
+        if outline is None:
+            frame, places = Frame(), ["inside"] * len(strokes)
+        else:
+            frame, places = Frame.of_outline(outline.points), [whereabouts(stroke, outline) for stroke in strokes]
+        framed = [frame(stroke) for stroke in strokes]
+        face_only = rasterise([stroke for stroke, place in zip(framed, places, strict=True) if place == "inside"])
+        ears = rasterise([stroke for stroke, place in zip(framed, places, strict=True) if place == "ear"])
         drawn = time.perf_counter()
-        identity, expression = self.weights(image) if image.any() else (None, None)
+        identity, expression = self._weights(face_only, ears)
         inferred = time.perf_counter()
         face = self.model.face(identity, expression)
         meshed = time.perf_counter()
-        view = View()
-        if outline is not None:
-            canonical = {name: view.project(face.curve(name)) for name in (SILHOUETTE, *FEATURES)}
-            view = place(drawn_outline(canonical[SILHOUETTE]), outline.points)
-            lines = {name: view.project(face.curve(name)) for name in FEATURES}
-            guessed = name_strokes(strokes, outline, lines, counted)
-            named = tuple(new if old == UNNAMED else old for old, new in zip(named, guessed, strict=True))
-        ended = time.perf_counter()
+        view, names = self._find(face, sketch, outline, places)
         moments = {
             "rasterising": drawn - began,
             "inference": inferred - drawn,
             "mesh": meshed - inferred,
-            "naming": ended - meshed,
+            "naming": time.perf_counter() - meshed,
         }
-        return Inference(face, view, named, {step: 1000 * seconds for step, seconds in moments.items()})
+        return Inference(face, view, names, {step: 1000 * seconds for step, seconds in moments.items()})
 
-    def weights(self, image: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Identity (p,) and expression (q,) weights of a normalised sketch image (256, 256) bool."""
+    def _weights(self, face_only: np.ndarray, ears: np.ndarray) -> tuple[np.ndarray | None, np.ndarray | None]:
+        """Weights of a drawing whose ears (256, 256) may change the identity, but its landmarks only by 1.5 mm."""
+        if not face_only.any():
+            return None, None
+        if not ears.any():
+            identity, expression = self.weights(face_only[None])
+            return identity[0], expression[0]
+        identities, expressions = self.weights(np.stack([face_only, face_only | ears]))
+        # Landmarks are linear in the identity, so that a share of the change moves them by that share.
+        change = identities[1] - identities[0]
+        moves = (self._landmarks @ (self.model.bilinear.core @ expressions[0] @ change)).reshape(-1, 3)
+        farthest = float(np.linalg.norm(moves, axis=1).max())
+        return identities[0] + min(1.0, _MOVED_BY_EARS / max(farthest, 1e-9)) * change, expressions[0]
+
+    def _find(
+        self, face: Face, sketch: Sketch, outline: Outline | None, places: list[str]
+    ) -> tuple[View, tuple[str, ...]]:
+        """Where a head stands on the canvas, and a name for each stroke."""
+        named = tuple(segment.name for segment in sketch.segments)
+        if outline is None:
+            return View(), named
+        view = place(drawn_outline(View().project(face.curve(SILHOUETTE))), outline.points)
+        lines = {name: view.project(face.curve(name)) for name in FEATURES}
+        guessed = name_strokes([segment.points for segment in sketch.segments], outline, lines, places)
+        return view, tuple(new if old == UNNAMED else old for old, new in zip(named, guessed, strict=True))
+
+    def weights(self, images: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Identity (b, p) and expression (b, q) weights of normalised sketch images (b, 256, 256) bool."""
         with torch.inference_mode():
-            pixels = torch.from_numpy(image)[None, None].to(torch.bfloat16)
-            identity, expression = (output[0].float().numpy() for output in self._network(pixels))
+            pixels = torch.from_numpy(images)[:, None].to(torch.bfloat16)
+            identity, expression = (output.float().numpy() for output in self._network(pixels))
         standard = self._standard
         return (
             standard["identity_mean"] + standard["identity_std"] * identity,

@@ -168,7 +168,7 @@ class Session(HasTraits):
 
     @default("face")
     def _mean_face(self) -> Any:
-        return self._loaded_regressor().infer(Sketch()).face
+        return self.regressor.infer(Sketch()).face
 
     def _do(self, event: Event) -> bool:
         started = perf_counter()
@@ -202,7 +202,7 @@ class Session(HasTraits):
                     self.set_trait(name, value)
 
     def _inferred(self, sketch: Sketch, timings: dict[str, float]) -> dict[str, Any]:
-        regressor = self._loaded_regressor()
+        regressor = self.regressor
         started = perf_counter()
         inference = regressor.infer(sketch)
         timings = {**timings, **inference.timings, "inference": _milliseconds_since(started)}
@@ -213,7 +213,9 @@ class Session(HasTraits):
             "timings": timings,
         }
 
-    def _loaded_regressor(self) -> FaceRegressor:
+    @property
+    def regressor(self) -> FaceRegressor:
+        """What infers the heads; the shipped one is loaded when it is first asked for."""
         if self._regressor is None:
             # Here, so that a session imports torch with the first face only.
             from sketchwidget.inference import FaceRegressor

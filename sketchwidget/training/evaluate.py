@@ -80,7 +80,8 @@ def compare(regressor: FaceRegressor, faces: TestFaces, seed: int = 0) -> dict[s
         def predict(identity: int, expression: int, truth: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
             lines = faces.table.lines(faces.table.points[identity, expression].astype(np.float32))
             parts = {part for part in PARTS if part == "outline" or random.random() >= missing}
-            return regressor.weights(draw_example(lines, parts, variety, random))
+            identities, expressions = regressor.weights(draw_example(lines, parts, variety, random)[None])
+            return identities[0], expressions[0]
 
         return predict
 

@@ -199,7 +199,7 @@ class Studio(VBox):
         file = change["new"][0]
         change["owner"].value = ()  # so that the same file can be picked again
         with self._reporting(f"{file.name} was not loaded, the drawing is kept"):
-            loaded = Session.loads(bytes(file.content).decode(), regressor=self.session._regressor)
+            loaded = Session.loads(bytes(file.content).decode(), regressor=self.session.regressor)
             self._loaded = (self.session, loaded, len(loaded.events))
             self.session = loaded
             self._status.say(f"{file.name} is loaded; undo brings the former drawing back.")
@@ -216,7 +216,7 @@ class Studio(VBox):
 def _wake(session: Session) -> None:
     # What fails here fails again, and is told, when it is needed.
     with suppress(Exception):
-        session._loaded_regressor()
+        _ = session.regressor
 
 
 def _classed(widget: Any, name: str) -> Any:

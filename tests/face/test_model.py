@@ -80,7 +80,7 @@ def test_expressions_open_and_close_what_their_names_say(model):
 
 
 @given(st.integers(0, 2**32 - 1))
-@settings(max_examples=20, deadline=None)
+@settings(max_examples=20)
 def test_any_face_near_the_training_faces_is_a_plausible_head(model, seed):
     random = np.random.default_rng(seed)
     u = random.normal(model.mean_identity, model.bilinear.identities.std(axis=0))

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from sketchwidget.geometry import View
 from sketchwidget.inference.framing import OUTLINE_SIZE, Frame, place
-from sketchwidget.inference.naming import belongs
+from sketchwidget.inference.naming import whereabouts
 from sketchwidget.inference.outline import find_outline
 
 ANGLE = np.linspace(0, 2 * np.pi, 80)
@@ -38,7 +38,8 @@ def test_a_scribble_is_no_outline():
 
 
 def test_two_halves_that_meet_are_one_outline():
-    found = find_outline([OVAL[:40], OVAL[40:], EYE])
+    right, left = np.roll(OVAL[:-1], 20, axis=0)[:41], np.roll(OVAL[:-1], 20, axis=0)[39:]
+    found = find_outline([right, left, EYE])
     assert found is not None and sorted(found.strokes) == [0, 1]
 
 
@@ -78,5 +79,5 @@ def test_ears_and_inner_strokes_belong_to_the_face_and_hair_does_not():
     ear = np.array([[0.23, 0.44], [0.19, 0.43], [0.18, 0.5], [0.2, 0.57], [0.24, 0.58]])
     neck = np.array([[0.42, 0.88], [0.41, 0.98]])
     curl = HAIR[:3] + np.array([-0.05, 0.0])
-    assert belongs(EYE, outline) and belongs(ear, outline)
-    assert not belongs(HAIR, outline) and not belongs(neck, outline) and not belongs(curl, outline)
+    assert whereabouts(EYE, outline) == "inside" and whereabouts(ear, outline) == "ear"
+    assert {whereabouts(stroke, outline) for stroke in (HAIR, neck, curl)} == {"outside"}

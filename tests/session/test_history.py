@@ -1,4 +1,4 @@
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from sketchwidget.session import Clear, Draw, Erase, History, Redo, State, Undo, apply
@@ -81,7 +81,6 @@ def test_kept_states_are_the_states_themselves():
     assert history.state is kept
 
 
-@settings(deadline=None)
 @given(events)
 def test_undoing_everything_gives_back_the_empty_sketch(events):
     history = History()
@@ -92,7 +91,6 @@ def test_undoing_everything_gives_back_the_empty_sketch(events):
     assert history.state == State()
 
 
-@settings(deadline=None)
 @given(events)
 def test_a_history_is_the_edits_that_count(events):
     history, done, undone = History(), [], []

@@ -175,14 +175,14 @@ def test_a_full_sketch_takes_no_more(session):
     text = '{"event":"draw","points":[[0.5,0.5]],"view":"front","mirror":true}\n'
     half = MAX_STROKES // 2
     header = '{"format":"sketchwidget session","version":1,"events":%d}\n'
-    full = Session.loads(header % half + half * text, session._regressor)
+    full = Session.loads(header % half + half * text, session.regressor)
     assert len(full.sketch) == MAX_STROKES
     before = snapshot(full)
     with pytest.raises(ValueError, match="at most 20,000"):
         full.draw(STROKE)
     assert snapshot(full) == before
     with pytest.raises(SessionFileError, match=f"line {half + 2} of the session cannot be replayed: .* at most 20,000"):
-        Session.loads(header % (half + 1) + (half + 1) * text, session._regressor)
+        Session.loads(header % (half + 1) + (half + 1) * text, session.regressor)
 
 
 def test_loading_infers_once(session, regressor):

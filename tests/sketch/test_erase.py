@@ -3,7 +3,7 @@ from itertools import pairwise
 import cv2
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 
@@ -77,14 +77,12 @@ def spread(image):
     return cv2.dilate(image.astype(np.uint8), np.ones((3, 3), np.uint8)) > 0
 
 
-@settings(deadline=None)
 @given(drawings, paths, radii)
 def test_erasing_never_adds_ink(drawing, path, radius):
     sketch = Sketch.from_strokes(drawing)
     assert not (erase(sketch, path, radius).image(128) & ~spread(sketch.image(128))).any()
 
 
-@settings(deadline=None)
 @given(drawings, paths, radii)
 def test_ink_outside_the_eraser_stays(drawing, path, radius):
     sketch = Sketch.from_strokes(drawing)
@@ -93,7 +91,6 @@ def test_ink_outside_the_eraser_stays(drawing, path, radius):
     assert distance_to_path((gone + 0.5) / 128, path).max(initial=0) <= 1.5 * radius + 4 / 128
 
 
-@settings(deadline=None)
 @given(drawings, paths, radii)
 def test_fragments_are_outside_the_eraser(drawing, path, radius):
     sketch = Sketch.from_strokes(drawing)
@@ -102,14 +99,12 @@ def test_fragments_are_outside_the_eraser(drawing, path, radius):
             assert distance_to_path(resample(segment.points, 20), path).min() >= radius - 1e-3
 
 
-@settings(deadline=None)
 @given(drawings, paths, radii)
 def test_erasing_twice_is_erasing_once(drawing, path, radius):
     erased = erase(Sketch.from_strokes(drawing), path, radius)
     assert erase(erased, path, radius) is erased
 
 
-@settings(deadline=None)
 @given(drawings, paths, radii)
 def test_fragments_keep_the_vertices_that_were_drawn(drawing, path, radius):
     sketch = Sketch.from_strokes(drawing)
@@ -118,7 +113,6 @@ def test_fragments_keep_the_vertices_that_were_drawn(drawing, path, radius):
         assert {tuple(point) for point in segment.points[1:-1].tolist()} <= drawn
 
 
-@settings(deadline=None)
 @given(drawings, paths, radii)
 def test_what_is_hit_does_not_depend_on_the_frame(drawing, path, radius):
     sketch = Sketch.from_strokes(drawing)
