@@ -20,7 +20,7 @@ def main() -> None:
     rows = [
         ("network, one sketch", f"{in_kernel['network']:.1f} ms"),
         ("mesh from its weights", f"{in_kernel['mesh']:.1f} ms"),
-        ("sketch to face, with rasterising and naming of strokes", f"{in_kernel['inference']:.1f} ms", "20 ms"),
+        ("sketch to face: a freehand face with ears, strokes named", f"{in_kernel['inference']:.1f} ms", "20 ms"),
         ("one change of a session (draw or undo)", f"{in_kernel['session']:.1f} ms"),
         ("pen-up to updated frame, median", f"{in_page['head']['median']:.0f} ms"),
         ("pen-up to updated frame, 95th percentile", f"{in_page['head']['p95']:.0f} ms", "150 ms"),

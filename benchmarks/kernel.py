@@ -11,11 +11,14 @@ import statistics
 import subprocess
 import sys
 import time
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 import sketchwidget as sw
+
+_DRAWING = Path(__file__).parents[1] / "docs" / "freehand" / "04_calm.json"  # a whole face, ears too
 
 _MEMORY = """
 import resource, sketchwidget as sw, numpy as np
@@ -29,7 +32,7 @@ print(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss)
 def measure(repeat: int = 100) -> dict[str, Any]:
     """Milliseconds (medians) of each step, and the memory in MB of a Python that holds a Studio after a stroke."""
     regressor = sw.FaceRegressor.load()
-    sketch = sw.FaceModel.load().face(expression="laugh").sketch()
+    sketch = sw.Sketch.load(_DRAWING)
     image = sketch.image()
     identity, expression = regressor.weights(image[None])
     return {

@@ -1,6 +1,6 @@
 """The README's picture of the Studio, taken in a real browser: a laughing face, drawn with the mouse.
 
-    python docs/screenshot.py
+python docs/screenshot.py
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ def main() -> None:
             studio = StudioPage(page).wait_until_shown()
             for segment in sw.Sketch.load(DRAWING).segments:
                 before = studio.serial
-                studio.draw(segment.points)
+                studio.draw(segment.points.tolist())
                 studio.wait_for_frame(before)
             page.locator(".sketchwidget-studio").screenshot(path=FOLDER / "studio.png")
         browser.close()

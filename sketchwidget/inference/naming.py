@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from scipy.spatial import KDTree
 
-from ..sketch import UNNAMED, WRINKLE, arc_length, resample
+from ..sketch import SILHOUETTE, UNNAMED, WRINKLE, arc_length, resample
 from .outline import Outline
 
 _SAMPLES = 24
@@ -52,21 +52,21 @@ def name_strokes(
         Whereabouts of each stroke. Those outside stay unnamed, the others are wrinkles where they run along no line.
     """
     size = float(np.sqrt(np.prod(np.ptp(outline.points, axis=0))))
-    trees = {name: KDTree(resample(line, 2 * _SAMPLES)) for name, line in lines.items()}
-    lengths = {name: arc_length(line)[-1] for name, line in lines.items()}
+    names = list(lines)
+    points = np.concatenate([resample(stroke, _SAMPLES) for stroke in strokes])
+    near = [KDTree(resample(line, 2 * _SAMPLES)).query(points)[0] for line in lines.values()]
+    distance = np.stack(near).reshape(len(names), len(strokes), _SAMPLES).mean(axis=2)
+    length = np.array([arc_length(stroke)[-1] for stroke in strokes])
+    ratio = length / np.array([[arc_length(line)[-1]] for line in lines.values()])
+    distance[(ratio < _LENGTHS[0]) | (ratio > _LENGTHS[1])] = np.inf
+    nearest = distance.argmin(axis=0)
 
-    def name(index: int, stroke: np.ndarray) -> str:
+    def name(index: int) -> str:
         if index in outline.strokes:
-            return "silhouette"
+            return SILHOUETTE
         if places[index] == "outside":
             return UNNAMED
-        points, length = resample(stroke, _SAMPLES), arc_length(stroke)[-1]
-        fitting = [
-            (float(tree.query(points)[0].mean()), line)
-            for line, tree in trees.items()
-            if _LENGTHS[0] * lengths[line] < length < _LENGTHS[1] * lengths[line]
-        ]
-        distance, line = min(fitting, default=(np.inf, WRINKLE))
-        return line if distance < _NEAR * size else WRINKLE
+        best = nearest[index]
+        return names[best] if distance[best, index] < _NEAR * size else WRINKLE
 
-    return tuple(name(index, stroke) for index, stroke in enumerate(strokes))
+    return tuple(name(index) for index in range(len(strokes)))

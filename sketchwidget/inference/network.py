@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import copy
 import json
 from dataclasses import asdict, dataclass
 
 import torch
 from torch import Tensor, nn
+from torch.nn.utils.fusion import fuse_conv_bn_eval
 
 IMAGE_SIZE = 256
 
@@ -108,6 +110,18 @@ class PixelCNN(nn.Module):
         self.expression = nn.Sequential(
             nn.Linear(layout.hidden, layout.branch), nn.ReLU(inplace=True), nn.Linear(layout.branch, expression_size)
         )
+
+    def folded(self) -> PixelCNN:
+        """The same network for inference only, each batch normalisation folded into the convolution before it."""
+        network = copy.deepcopy(self).eval()
+        for layers in network.modules():
+            if isinstance(layers, nn.Sequential):
+                for place in range(len(layers) - 1):
+                    convolution, normalisation = layers[place], layers[place + 1]
+                    if isinstance(convolution, nn.Conv2d) and isinstance(normalisation, nn.BatchNorm2d):
+                        layers[place] = fuse_conv_bn_eval(convolution, normalisation)
+                        layers[place + 1] = nn.Identity()
+        return network
 
     def forward(self, images: Tensor) -> tuple[Tensor, Tensor]:
         """Standardised identity (b, p) and expression (b, q) weights of images (b, 1, 256, 256) with ink as 1."""

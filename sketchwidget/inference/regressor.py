@@ -65,7 +65,7 @@ class FaceRegressor:
 
     def __init__(self, model: FaceModel, network: PixelCNN, standard: dict[str, np.ndarray]) -> None:
         self.model = model
-        self._network = network.eval().bfloat16()
+        self._network = network.folded().bfloat16()
         self._network.to(memory_format=torch.channels_last)  # pyright: ignore[reportCallIssue]
         self._standard = standard
         corners = model.template.subdivision[model.landmarks].toarray()  # (68, n)
