@@ -89,7 +89,11 @@ class FaceRegressor:
         if outline is None:
             frame, places = Frame(), ["inside"] * len(strokes)
         else:
-            frame, places = Frame.of_outline(outline.points), [whereabouts(stroke, outline) for stroke in strokes]
+            frame = Frame.of_outline(outline.points)
+            places = [
+                "inside" if index in outline.strokes else whereabouts(stroke, outline)
+                for index, stroke in enumerate(strokes)
+            ]
         framed = [frame(stroke) for stroke in strokes]
         face_only = rasterise([stroke for stroke, place in zip(framed, places, strict=True) if place == "inside"])
         ears = rasterise([stroke for stroke, place in zip(framed, places, strict=True) if place == "ear"])

@@ -61,6 +61,15 @@ def test_a_broad_outline_gives_a_broad_head(regressor, drawing):
     assert ratio(0.85) < ratio(1.0) - 0.02 < ratio(1.2) - 0.04
 
 
+def test_an_outline_alone_already_shapes_the_head(regressor, drawing):
+    def ratio(factor):
+        oval = [0.5, 0.0] + (drawing[0] - [0.5, 0.0]) * [factor, 1.0]
+        outline = regressor.predict(Sketch.from_strokes([oval])).curve("silhouette")
+        return np.ptp(outline[:, 0]) / np.ptp(outline[:, 1])
+
+    assert ratio(0.85) < ratio(1.0) - 0.04 < ratio(1.2) - 0.08
+
+
 def test_a_smile_smiles_a_frown_frowns_and_an_open_mouth_opens(regressor, drawing):
     def with_mouth(points):
         return regressor.predict(Sketch.from_strokes([*drawing[:4], np.array(points)]))
