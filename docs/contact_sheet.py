@@ -12,12 +12,11 @@ import numpy as np
 from skimage.io import imsave
 
 import sketchwidget as sw
-from sketchwidget.geometry import CANVAS_MM
 from sketchwidget.sketch import COLOURS, kind
 
 FOLDER = Path(__file__).parent
 SIZE, COLUMNS = 260, 3
-VIEWS = [sw.View(sw.View.preset(name).rotation, 0.93 / CANVAS_MM, (0.5, 0.47)) for name in ("front", "three-quarter")]
+VIEWS = ("front", "three-quarter")
 
 
 def drawing(sketch: sw.Sketch, names: tuple[str, ...]) -> np.ndarray:

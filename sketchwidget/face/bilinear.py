@@ -35,7 +35,7 @@ class Bilinear:
 
 
 def fit(model: Bilinear, mesh: np.ndarray, iterations: int = 10) -> tuple[np.ndarray, np.ndarray]:
-    """Weights of a given mesh by alternating least squares, from the mean identity on.
+    """Weights of a given mesh by alternating least squares, from the expression on that fits it best.
 
     Parameters
     ----------
@@ -50,8 +50,13 @@ def fit(model: Bilinear, mesh: np.ndarray, iterations: int = 10) -> tuple[np.nda
     v : (q,) float32 array
     """
     code = (mesh - model.mean) @ model.basis
-    u = model.identities.mean(axis=0)
-    v = model.expressions.mean(axis=0)
+
+    def misfit(expression: np.ndarray) -> float:
+        by_identity = model.core @ expression
+        return float(np.linalg.norm(by_identity @ np.linalg.lstsq(by_identity, code, rcond=None)[0] - code))
+
+    v = min(model.expressions, key=misfit)
+    u = np.linalg.lstsq(model.core @ v, code, rcond=None)[0]
     for _ in range(iterations):
         v = np.linalg.lstsq(np.einsum("kpq,p->kq", model.core, u), code, rcond=None)[0]
         u = np.linalg.lstsq(model.core @ v, code, rcond=None)[0]

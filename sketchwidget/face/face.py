@@ -11,7 +11,7 @@ import numpy as np
 import trimesh
 
 from ..geometry.picture import picture
-from ..geometry.view import View
+from ..geometry.view import CANVAS_MM, View
 from ..sketch import Sketch
 from .drawing import draw
 
@@ -47,6 +47,11 @@ class Face:
             raise ValueError(f"a face of this model has finite vertices {expected}; given shape {vertices.shape}")
         vertices.flags.writeable = False
         object.__setattr__(self, "vertices", vertices)
+        for name in ("identity", "expression"):
+            if (weights := getattr(self, name)) is not None:
+                weights = np.array(weights, dtype=np.float32)
+                weights.flags.writeable = False
+                object.__setattr__(self, name, weights)
 
     @property
     def faces(self) -> np.ndarray:
@@ -93,8 +98,10 @@ class Face:
         """
         return draw(self.model.template, self.vertices, view or View(), wrinkles)
 
-    def picture(self, view: View | None = None, size: int = 320) -> np.ndarray:
-        """A shaded picture (size, size, 3) uint8 of the head."""
+    def picture(self, view: View | str = "front", size: int = 320) -> np.ndarray:
+        """A shaded picture (size, size, 3) uint8; a preset view is a little further away, to show the neck too."""
+        if isinstance(view, str):
+            view = View(View.preset(view).rotation, 0.88 / CANVAS_MM, np.array([0.5, 0.47]))
         return picture(self.vertices, self.faces, self.colors, view, size)
 
     def to_bytes(self, suffix: str) -> bytes:

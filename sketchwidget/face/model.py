@@ -10,16 +10,17 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from safetensors import SafetensorError, safe_open
 from safetensors.numpy import save_file
 
+from ..sketch import FEATURES, SILHOUETTE
 from .appearance import vertex_colors
 from .bilinear import Bilinear
+from .drawing import LIPS
 from .face import Face
 from .template import Template
+from .tensorfile import read
 
 FORMAT = "sketchwidget face model 1"
-_MAX_BYTES = 256 * 2**20
 _CURVE = "curve."
 
 
@@ -109,7 +110,7 @@ class FaceModel:
         """
         u = self.mean_identity if identity is None else _weights(identity, self.identity_size, "identity")
         if expression is None or isinstance(expression, str):
-            v = self._expression(expression or "neutral")
+            v = self._expression("neutral" if expression is None else expression)
         else:
             v = _weights(expression, self.expression_size, "expression")
         return Face(self, self.vertices(u, v), u, v)
@@ -152,18 +153,14 @@ class FaceModel:
             if path is not None
             else Path(str(files("sketchwidget") / "data" / "face.safetensors"))
         )
-        if not path.is_file():
-            raise FileNotFoundError(f"there is no face model at {path}")
-        if path.stat().st_size > _MAX_BYTES:
-            raise ValueError(f"{path} is larger than the 256 MB that a face model may have")
+        header, tensors = read(path, "face model", FORMAT)
         try:
-            with safe_open(path, framework="numpy") as file:
-                header = file.metadata() or {}
-                tensors = {name: file.get_tensor(name) for name in file.keys()}  # noqa: SIM118  (no mapping)
-        except SafetensorError as error:
-            raise ValueError(f"{path} is no safetensors file that can be read: {error}") from error
-        if header.get("format") != FORMAT:
-            raise ValueError(f"{path} is no face model: its format is {header.get('format')!r}, not {FORMAT!r}")
+            return cls._from_tensors(tensors, json.loads(header["expressions"]))
+        except (KeyError, IndexError, ValueError) as error:
+            raise ValueError(f"{path} is a damaged face model: {error}") from error
+
+    @classmethod
+    def _from_tensors(cls, tensors: dict[str, np.ndarray], expressions: list[str]) -> FaceModel:
         curves = {name.removeprefix(_CURVE): tensors[name] for name in tensors if name.startswith(_CURVE)}
         template = Template(tensors["quads"], tensors["parts"], curves, tensors["landmarks"])
         bilinear = Bilinear(
@@ -173,7 +170,12 @@ class FaceModel:
             identities=tensors["identities"],
             expressions=tensors["expressions"],
         )
-        return cls(template, bilinear, json.loads(header["expressions"]))
+        model = cls(template, bilinear, expressions)
+        missing = {SILHOUETTE, *FEATURES, *LIPS} - set(curves)
+        used = np.concatenate([template.landmarks, *curves.values()])
+        if missing or used.min() < 0 or used.max() >= len(model.mean):
+            raise ValueError(f"it lacks the curves {sorted(missing)}, or a landmark or curve is off the mesh")
+        return model
 
 
 def _weights(given: Any, size: int, mode: str) -> np.ndarray:

@@ -6,7 +6,7 @@ import cv2
 import igl
 import numpy as np
 
-from .view import CANVAS_MM, View
+from .view import View
 
 # Directional lights in the viewer's frame and their strength: a key from the upper left, a weak fill, a rim from
 # behind.
@@ -43,7 +43,14 @@ def picture(
     Returns
     -------
     (size, size, 3) uint8 array
+
+    Raises
+    ------
+    ValueError
+        If the size is not between 1 and 4,096.
     """
+    if not 1 <= size <= 4096:
+        raise ValueError(f"a picture has 1 to 4,096 pixels a side; given {size}")
     view = view or View()
     normals = igl.per_vertex_normals(np.asarray(vertices, dtype=np.float64), np.asarray(faces, dtype=np.int64))
     normals = np.nan_to_num(normals) @ view.rotation.T
@@ -62,8 +69,3 @@ def picture(
     for triangle, color in zip(corners[order], shade[order].tolist(), strict=True):
         cv2.fillConvexPoly(canvas, triangle, color, lineType=cv2.LINE_8, shift=4)
     return cv2.resize(canvas, (size, size), interpolation=cv2.INTER_AREA)
-
-
-def frame_head(view: View) -> View:
-    """The same view a little further away, so that a whole head with its neck fits the picture."""
-    return View(view.rotation, 0.88 / CANVAS_MM, np.array([0.5, 0.48]))

@@ -60,6 +60,12 @@ def name_strokes(
     ratio = length / np.array([[arc_length(line)[-1]] for line in lines.values()])
     distance[(ratio < _LENGTHS[0]) | (ratio > _LENGTHS[1])] = np.inf
     nearest = distance.argmin(axis=0)
+    inner = {
+        index: stroke
+        for index, stroke in enumerate(strokes)
+        if places[index] == "inside" and index not in outline.strokes
+    }
+    by_place = _nose(inner, lines) | _eyes_and_brows(inner, lines, "left") | _eyes_and_brows(inner, lines, "right")
 
     def name(index: int) -> str:
         if index in outline.strokes:
@@ -67,6 +73,56 @@ def name_strokes(
         if places[index] == "outside":
             return UNNAMED
         best = nearest[index]
-        return names[best] if distance[best, index] < _NEAR * size else WRINKLE
+        near = names[best] if distance[best, index] < _NEAR * size else WRINKLE
+        # Its place tells more than the nearest line: people draw eyes higher than they are.
+        return by_place.get(index, near) if near == WRINKLE or "eye" in near or "brow" in near else near
 
     return tuple(name(index) for index in range(len(strokes)))
+
+
+def _eyes_and_brows(strokes: Mapping[int, np.ndarray], lines: Mapping[str, np.ndarray], side: str) -> dict[int, str]:
+    """Names of the strokes about one eye by their order: a closed one is the eye, and the brow is above the eye."""
+    upper, brow = lines[f"{side}_eye_upper"], lines[f"{side}_brow"]
+    middle, width = upper.mean(axis=0), float(np.ptp(upper[:, 0]))
+    top = brow[:, 1].mean() - 1.2 * width
+    about = {
+        index: stroke
+        for index, stroke in strokes.items()
+        if abs(stroke[:, 0].mean() - middle[0]) < 0.7 * width
+        and top < stroke[:, 1].mean() < middle[1] + 0.9 * width
+        and np.ptp(stroke[:, 0]) < 2.2 * width
+    }
+    round_ones = {index for index, stroke in about.items() if _is_closed(stroke)}
+    if not round_ones and len(about) < 2:
+        return {}
+    eyes = [about[index] for index in round_ones] or [max(about.values(), key=lambda stroke: stroke[:, 1].mean())]
+    level = float(np.mean([stroke[:, 1].mean() for stroke in eyes]))
+    names = {}
+    for index, stroke in about.items():
+        if index not in round_ones and stroke[:, 1].mean() < level - 0.3 * width:
+            names[index] = f"{side}_brow"
+        else:
+            names[index] = f"{side}_eye_{'lower' if stroke[:, 1].mean() > level + 0.02 * width else 'upper'}"
+    return names
+
+
+def _nose(strokes: Mapping[int, np.ndarray], lines: Mapping[str, np.ndarray]) -> dict[int, str]:
+    """Strokes that stand where a nose does: between the eyes and the mouth, in the middle."""
+    nose = lines["nose"]
+    width, middle = float(np.ptp(nose[:, 0])), float(nose[:, 0].mean())
+    eyes = float(np.mean([lines[f"{side}_eye_lower"][:, 1].mean() for side in ("left", "right")]))
+    mouth = float(lines["mouth_upper"][:, 1].min())
+    return {
+        index: "nose"
+        for index, stroke in strokes.items()
+        if abs(stroke[:, 0].mean() - middle) < 0.6 * width
+        and eyes < stroke[:, 1].mean() < 0.3 * nose[:, 1].max() + 0.7 * mouth
+        and 0.3 * width < np.linalg.norm(np.ptp(stroke, axis=0)) < 3 * width
+    }
+
+
+def _is_closed(stroke: np.ndarray) -> bool:
+    """Whether a stroke is a loop or a dot."""
+    return bool(
+        np.linalg.norm(stroke[0] - stroke[-1]) < 0.3 * np.linalg.norm(np.ptp(stroke, axis=0)) or len(stroke) == 1
+    )

@@ -20,6 +20,7 @@ _HOLLOW = 0.2  # least over greatest distance from the middle: a scribble comes 
 _ASPECT = (0.45, 3.0)  # height over width
 _SMALLEST = 0.16  # of the canvas: what is smaller may be an eye ...
 _HELD = 3  # ... unless it holds this many strokes
+_SHARE = 0.25  # of the largest stroke's extent: what is smaller is neither an outline nor a piece of one
 _GAP = 0.1  # of the drawing's diagonal: ends this near are one line drawn in two goes
 _LONG = 0.2  # of the drawing's diagonal: shorter strokes are not joined to outlines
 
@@ -64,7 +65,12 @@ def find_outline(strokes: Sequence[np.ndarray]) -> Outline | None:
     strokes : sequence of (n, 2) arrays
         Canvas points.
     """
-    lines = [resample(stroke, _SAMPLES) if len(stroke) > 2 else None for stroke in strokes]
+    extents = [float(np.ptp(stroke, axis=0).max()) for stroke in strokes]
+    enough = _SHARE * max(extents, default=0.0)  # a drawing may have ten thousand strokes, but few that go round it
+    lines = [
+        resample(stroke, _SAMPLES) if len(stroke) > 2 and extent >= enough else None
+        for stroke, extent in zip(strokes, extents, strict=True)
+    ]
     single = [_candidate((index,), line) for index, line in enumerate(lines) if line is not None]
     return _best([found for found in single if found], strokes) or _best(_joined(lines), strokes)
 

@@ -11,11 +11,11 @@ from pathlib import Path
 
 import numpy as np
 import torch
-from safetensors import SafetensorError, safe_open
 from safetensors.torch import save_file
 
 from ..face import Face, FaceModel
 from ..face.drawing import outline as drawn_outline
+from ..face.tensorfile import read
 from ..geometry.view import View
 from ..sketch import FEATURES, SILHOUETTE, UNNAMED, Sketch, rasterise
 from .framing import Frame, place
@@ -25,8 +25,9 @@ from .outline import Outline, find_outline
 
 FORMAT = "sketchwidget network 1"
 NETWORKS = {"PixelCNN": "pixelcnn.safetensors"}
-_MAX_BYTES = 512 * 2**20
 _MOVED_BY_EARS = 1.5  # mm
+# Standard deviations that weights may go to freely, and at most: beyond, heads dent and eyes leave their lids.
+_IDENTITY_LIMIT, _EXPRESSION_LIMIT = (3.0, 5.0), (2.5, 3.5)
 _STANDARD = ("identity_mean", "identity_std", "expression_mean", "expression_std")
 
 
@@ -144,8 +145,8 @@ class FaceRegressor:
             identity, expression = (output.float().numpy() for output in self._network(pixels))
         standard = self._standard
         return (
-            standard["identity_mean"] + standard["identity_std"] * identity,
-            standard["expression_mean"] + standard["expression_std"] * expression,
+            standard["identity_mean"] + standard["identity_std"] * soft_limit(identity, *_IDENTITY_LIMIT),
+            standard["expression_mean"] + standard["expression_std"] * soft_limit(expression, *_EXPRESSION_LIMIT),
         )
 
     @classmethod
@@ -163,32 +164,30 @@ class FaceRegressor:
         FileNotFoundError
             If no such network ships and there is no such file.
         ValueError
-            If the file is no network, is damaged, or was trained for another face model.
+            If the file is no network, is damaged, larger than 256 MB, or was trained for another face model.
         """
         name = name or "PixelCNN"
         path = Path(str(files("sketchwidget") / "data" / NETWORKS[name])) if name in NETWORKS else Path(name)
         if not path.is_file():
             raise FileNotFoundError(f"no network {name!r}: it is one of {', '.join(NETWORKS)}, or the path of a file")
-        if path.stat().st_size > _MAX_BYTES:
-            raise ValueError(f"{path} is larger than the 512 MB that a network may have")
-        try:
-            with safe_open(path, framework="pt") as file:
-                header = file.metadata() or {}
-                tensors = {key: file.get_tensor(key) for key in file.keys()}  # noqa: SIM118  (no mapping)
-        except SafetensorError as error:
-            raise ValueError(f"{path} is no safetensors file that can be read: {error}") from error
-        if header.get("format") != FORMAT:
-            raise ValueError(f"{path} is no network: its format is {header.get('format')!r}, not {FORMAT!r}")
+        header, tensors = read(path, "network", FORMAT, framework="pt")
         model = model or FaceModel.load()
-        if header["face_model"] != fingerprint(model):
-            raise ValueError(
-                f"{path} was trained for another face model; train it anew, or give the model it belongs to"
-            )
-        layout = Layout.from_json(header["layout"])
-        standard = {key: tensors.pop(key).numpy() for key in _STANDARD}
-        network = PixelCNN(model.identity_size, model.expression_size, layout)
-        network.load_state_dict(tensors)
+        if header.get("face_model") != fingerprint(model):
+            raise ValueError(f"{path} was trained for another face model; train it anew, or give the model it is for")
+        try:
+            standard = {key: tensors.pop(key).numpy() for key in _STANDARD}
+            network = PixelCNN(model.identity_size, model.expression_size, Layout.from_json(header["layout"]))
+            network.load_state_dict(tensors)
+        except (KeyError, TypeError, ValueError, RuntimeError) as error:
+            raise ValueError(f"{path} is a damaged network: {error}") from error
         return cls(model, network, standard)
+
+
+def soft_limit(values: np.ndarray, free: float, most: float) -> np.ndarray:
+    """Values as they are up to `free` on both sides, then bent smoothly so that none is beyond `most`."""
+    excess = np.maximum(np.abs(values) - free, 0)
+    bent = (most - free) * np.tanh(excess / (most - free))
+    return np.sign(values) * (np.minimum(np.abs(values), free) + bent)
 
 
 def save_network(

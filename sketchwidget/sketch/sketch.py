@@ -46,9 +46,10 @@ class Segment:
     def __post_init__(self) -> None:
         kind(self.name)
         points = self.points
-        # Frozen float32 points were checked when they were frozen: segments share them.
+        checked = as_points(points)
+        # Frozen float32 points cannot change any more: segments share them.
         if not (isinstance(points, np.ndarray) and points.dtype == np.float32 and not points.flags.writeable):
-            points = as_points(points).astype(np.float32)
+            points = checked.astype(np.float32)
             points.flags.writeable = False
             object.__setattr__(self, "points", points)
 

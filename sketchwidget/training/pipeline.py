@@ -1,6 +1,7 @@
 """The two builds behind the commands: the face model, and the network trained on it.
 
-Both keep what is costly in a work folder, and go on from there when they are started again.
+Both keep what is costly in a work folder, and go on from there when they are started again; what belongs to one face
+model has its fingerprint in the name.
 """
 
 from __future__ import annotations
@@ -14,7 +15,7 @@ import numpy as np
 from ..database.anny import AnnySource
 from ..face.model import FaceModel
 from ..inference.network import COMPACT, Layout
-from ..inference.regressor import FaceRegressor, save_network
+from ..inference.regressor import FaceRegressor, fingerprint, save_network
 from .evaluate import TestFaces
 from .examples import Examples, Variety
 from .face_model import RANK, build_face_model, model_frame, pose_heads
@@ -73,7 +74,7 @@ class Pipeline:
     def posed(self) -> np.ndarray:
         """All identities in all expressions, (i, e, n, 3)."""
         count = self.heads.training + self.heads.test
-        return pose_heads(self.source, range(count), self.work / "heads.npy", self.jobs)
+        return pose_heads(self.source, range(count), self.work / f"heads-{count}.npy", self.jobs)
 
     def build_face(self, out: Path, command: str) -> FaceModel:
         """Build the bilinear model and write it to `out`."""
@@ -86,7 +87,9 @@ class Pipeline:
     def table(self, model: FaceModel) -> FaceTable:
         """What networks train on, of all identities."""
         scale, origin = model_frame(self.source, self.posed[: self.heads.model])
-        return tabulate(model, self.posed, scale, origin, self.work / "table.npz")
+        return tabulate(
+            model, self.posed, scale, origin, self.work / f"table-{len(self.posed)}-{fingerprint(model)[:8]}.npz"
+        )
 
     def test_faces(self, model: FaceModel, split: str, count: int) -> TestFaces:
         """Faces that the network has not seen: of seen identities ("random") or of left-out ones ("identity")."""
@@ -119,7 +122,15 @@ class Pipeline:
             left_out=self.random_split(),
             stretch=Stretch(model),
         )
-        network = train(model, vertex_metric(model), examples, schedule, self.work / "network", layout, workers)
+        network = train(
+            model,
+            vertex_metric(model),
+            examples,
+            schedule,
+            self.work / f"network-{layout.hidden}-{fingerprint(model)[:8]}",
+            layout,
+            workers,
+        )
         made = provenance(command, ("torch", "numpy", "opencv-python-headless"))
         save_network(out, network, layout, standardisation(model), model, made | {"licence": "BSD-3-Clause"})
         return FaceRegressor.load(str(out), model)

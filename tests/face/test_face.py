@@ -72,3 +72,5 @@ def test_other_formats_and_shapes_are_refused(model, tmp_path):
 def test_a_face_cannot_be_changed_by_accident(model):
     with pytest.raises(ValueError, match="read-only"):
         model.face().vertices[0] = 0
+    with pytest.raises(ValueError, match="read-only"):
+        model.face().identity[0] = 0

@@ -159,12 +159,9 @@ def test_weights_of_a_mesh_of_the_model_come_back(model):
     bilinear = model.bilinear
     mesh = bilinear.mean + bilinear.basis @ (bilinear.core @ bilinear.expressions[12] @ bilinear.identities[30])
 
-    def error(iterations):
-        u, v = fit(bilinear, mesh, iterations)
-        again = bilinear.mean + bilinear.basis @ (bilinear.core @ v @ u)
-        return np.linalg.norm((again - mesh).reshape(-1, 3), axis=1).mean()
-
-    assert error(200) < 0.05 < error(1)
+    u, v = fit(bilinear, mesh)
+    again = bilinear.mean + bilinear.basis @ (bilinear.core @ v @ u)
+    assert np.linalg.norm((again - mesh).reshape(-1, 3), axis=1).mean() < 0.01
 
 
 def test_a_rank_above_its_mode_is_refused():

@@ -1,6 +1,7 @@
 """Shaded pictures."""
 
 import numpy as np
+import pytest
 import trimesh
 
 from sketchwidget.geometry import View
@@ -26,3 +27,8 @@ def test_what_is_nearer_hides_what_is_behind():
     assert middle[0] > 0 and middle[2] == 0
     turned = picture(vertices, faces, colors, View(np.diag([-1.0, 1, -1])), size=64)[32, 32]
     assert turned[2] > 0 and turned[0] == 0
+
+
+def test_sizes_that_make_no_picture_are_refused():
+    with pytest.raises(ValueError, match="given 0"):
+        picture(BALL.vertices, BALL.faces, CLAY, size=0)

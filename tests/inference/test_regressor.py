@@ -1,14 +1,19 @@
 """From drawings to heads with the shipped network."""
 
+from importlib.resources import files
+from pathlib import Path
+
 import numpy as np
 import pytest
 import torch
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from safetensors import safe_open
+from safetensors.torch import save_file
 
 from sketchwidget import FaceModel, FaceRegressor, Sketch
 from sketchwidget.inference.network import TINY, PixelCNN
-from sketchwidget.inference.regressor import save_network
+from sketchwidget.inference.regressor import save_network, soft_limit
 from sketchwidget.training.network import standardisation
 
 EAR = np.array([[0.23, 0.44], [0.19, 0.43], [0.18, 0.5], [0.2, 0.57], [0.24, 0.58]])
@@ -92,6 +97,36 @@ def test_strokes_are_named(regressor, drawing):
     assert result.names[5] == "right_ear" and result.names[6] == "unnamed"
 
 
+def short(name):
+    """A line's name without which contour of it: ruy is the right eye, lb the left brow."""
+    side, _, rest = name.partition("_")
+    return side[0] + rest[0] if rest and side in ("left", "right") else name.split("_")[0]
+
+
+@pytest.mark.parametrize(
+    ("drawing", "expected"),
+    [
+        ("03_smiley", "silhouette re re le le mouth"),
+        ("04_calm", "silhouette re re re le le le rb lb nose mouth re le"),
+        ("06_surprised", "silhouette re le re re le le rb lb nose mouth"),
+        ("07_angry", "silhouette re re re le le le rb lb nose mouth wrinkle wrinkle"),
+        ("08_laughing", "silhouette re le rb lb nose mouth mouth"),
+        ("09_wink", "silhouette re re re le rb lb nose mouth"),
+        ("11_broad_jowls", "silhouette re re re le le le rb lb nose mouth re le"),
+    ],
+)
+def test_freehand_strokes_are_named_as_they_were_meant(regressor, drawing, expected):
+    path = Path(__file__).parents[2] / "docs" / "freehand" / f"{drawing}.json"
+    assert [short(name) for name in regressor.infer(Sketch.load(path)).names] == expected.split()
+
+
+def test_weights_stay_where_heads_are_sound():
+    values = np.array([-20.0, -2.0, 0.0, 1.5, 4.0, 100.0])
+    bent = soft_limit(values, 3.0, 5.0)
+    np.testing.assert_array_equal(bent[1:4], values[1:4])
+    assert (np.abs(bent) <= 5.0).all() and 3 < bent[4] < 4 and (np.diff(bent) > 0).all()
+
+
 def test_the_head_stands_where_the_drawing_is(regressor, drawing):
     result = regressor.infer(Sketch.from_strokes([0.6 * stroke + [0.3, 0.1] for stroke in drawing]))
     outline = result.frame.project(result.face.curve("silhouette"))
@@ -143,9 +178,21 @@ def test_files_that_are_no_network_say_so(tmp_path):
     (tmp_path / "text").write_text("nothing")
     with pytest.raises(ValueError, match="no safetensors file"):
         FaceRegressor.load(str(tmp_path / "text"))
+    data = files("sketchwidget") / "data"
+    with pytest.raises(ValueError, match="is no network"):
+        FaceRegressor.load(str(data / "face.safetensors"))
+    with pytest.raises(ValueError, match="is no face model"):
+        FaceModel.load(str(data / "pixelcnn.safetensors"))
+
+
+def test_a_network_that_lacks_a_tensor_is_damaged(tmp_path):
+    with safe_open(str(files("sketchwidget") / "data" / "pixelcnn.safetensors"), "pt") as file:
+        header, tensors = file.metadata(), {name: file.get_tensor(name) for name in file.keys()}  # noqa: SIM118
+    del tensors["shared.0.weight"]
+    save_file(tensors, tmp_path / "damaged", header)
+    with pytest.raises(ValueError, match="damaged network"):
+        FaceRegressor.load(str(tmp_path / "damaged"))
 
 
 def test_shipped_network_is_small():
-    from importlib.resources import files
-
     assert (files("sketchwidget") / "data" / "pixelcnn.safetensors").stat().st_size < 14e6

@@ -151,6 +151,13 @@ def test_commands_build_a_tiny_face_model_and_network(tmp_path):
     assert np.isfinite(head.vertices).all()
 
 
+def test_tiny_builds_replace_nothing_that_is_shipped(tmp_path):
+    shipped = FaceModel.load().bilinear.core.copy()
+    result = CliRunner().invoke(cli.main, ["train", "face", "--tiny", "--work", str(tmp_path)])
+    assert result.exit_code == 0 and (tmp_path / "face.safetensors").exists()
+    np.testing.assert_array_equal(FaceModel.load().bilinear.core, shipped)
+
+
 def test_bad_use_of_the_commands_ends_with_a_message(tmp_path):
     for arguments in (["train"], ["train", "nose"], ["evaluate", "--faces", "0"]):
         result = CliRunner().invoke(cli.main, arguments)

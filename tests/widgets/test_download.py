@@ -1,5 +1,7 @@
 from __future__ import annotations
 
+import gzip
+
 from sketchwidget.widgets.download import Downloads
 
 
@@ -7,4 +9,6 @@ def test_a_file_goes_to_the_page_whole(sent):
     downloads = Downloads()
     messages = sent(downloads)
     downloads.save("head.obj", b"v 0 0 0", "model/obj")
-    assert messages == [({"type": "file", "name": "head.obj", "mime": "model/obj"}, [b"v 0 0 0"])]
+    [(message, [content])] = messages
+    assert message == {"type": "file", "name": "head.obj", "mime": "model/obj"}
+    assert gzip.decompress(content) == b"v 0 0 0"

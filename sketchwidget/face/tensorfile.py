@@ -1,0 +1,44 @@
+"""Reading the files that models and networks are kept in: safetensors, bounded in size, with a format in the header."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+from safetensors import SafetensorError, safe_open
+
+MAX_BYTES = 256 * 2**20
+
+
+def read(path: Path, kind: str, wanted: str, framework: str = "numpy") -> tuple[dict[str, str], dict[str, Any]]:
+    """Header and tensors of a file.
+
+    Parameters
+    ----------
+    path : Path
+    kind : str
+        What it should be, for messages: "face model".
+    wanted : str
+        The format that its header should name.
+    framework : str
+        Of the tensors: "numpy" or "pt".
+
+    Raises
+    ------
+    FileNotFoundError
+        If there is no such file.
+    ValueError
+        If it is too large, damaged, or of another format; no tensor is read then.
+    """
+    if not path.is_file():
+        raise FileNotFoundError(f"there is no {kind} at {path}")
+    if path.stat().st_size > MAX_BYTES:
+        raise ValueError(f"{path} is larger than the {MAX_BYTES >> 20} MB that a {kind} may have")
+    try:
+        with safe_open(path, framework=framework) as file:
+            header = file.metadata() or {}
+            if header.get("format") != wanted:
+                raise ValueError(f"{path} is no {kind}: its format is {header.get('format')!r}, not {wanted!r}")
+            return header, {name: file.get_tensor(name) for name in file.keys()}  # noqa: SIM118  (no mapping)
+    except SafetensorError as error:
+        raise ValueError(f"{path} is no safetensors file that can be read: {error}") from error
