@@ -3,12 +3,12 @@
  * Takes   {type: "file", name, mime} with one buffer, the file's content compressed by gzip: a Jupyter server drops what
  *         a kernel sends beyond about 3 MB in 3 seconds, and a head as OBJ is 2 MB.
  *
- * One file a page, however many views the page has; a page in the background leaves it to the one that the user looks at.
+ * One file a page, however many views the page has.
  */
 
 function initialize({ model }) {
   model.on("msg:custom", async (message, buffers) => {
-    if (message.type !== "file" || document.visibilityState !== "visible") return;
+    if (message.type !== "file") return;
     const content = new Blob([buffers[0]]).stream().pipeThrough(new DecompressionStream("gzip"));
     const file = new Blob([await new Response(content).arrayBuffer()], { type: message.mime });
     const link = document.createElement("a");

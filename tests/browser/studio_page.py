@@ -89,6 +89,7 @@ class StudioPage:
 
     def start_afresh(self) -> None:
         """An empty pad, the pen, the front view, no toggles: whatever a test before this one left."""
+        self.page.bring_to_front()  # downloads go to the page that the user looks at
         self.page.keyboard.up("Control")
         for name in ("mirror", "ghost"):
             if self.is_on(name):
