@@ -69,13 +69,16 @@ def open_studio(
     """Open a notebook of its own with a Studio in it, in "lab" or "voila", and wait until its head is on screen."""
     count = 0
 
-    def open_page(kind: str, *options: str, code: str = "sw.Studio()", **context: object) -> StudioPage:
+    def open_page(
+        kind: str, *options: str, code: str = "sw.Studio()", script: str = "", **context: object
+    ) -> StudioPage:
         nonlocal count
         count += 1
         address, folder = servers(kind, *options)
         notebook = write_notebook(folder, f"studio{count}", f"import sketchwidget as sw\n{code}")
         page = contexts(**context).new_page()
         page.set_default_timeout(1000 * DEADLINE)
+        page.add_init_script(script)
         studio = StudioPage(page)
         page.on("console", lambda said: studio.errors.append(said.text) if said.type == "error" else None)
         page.on("pageerror", lambda error: studio.errors.append(str(error)))
