@@ -2,7 +2,7 @@
 
 A command imports what it runs when it runs, so that `sketchwidget --help` answers at once. A group of commands is a
 `typer.Typer` of its own, imported here and added by `main.add_typer(group, name=...)`; its module must be as light.
-What a user did wrong ends in `fail`.
+What a user can mend ends in `fail`: a ValueError or OSError of any command, or a package that is missing.
 """
 
 from __future__ import annotations
@@ -13,21 +13,33 @@ import secrets
 import socket
 from importlib.util import find_spec
 from pathlib import Path
-from typing import Annotated, NoReturn
+from typing import Annotated, Any, NoReturn
 from urllib.parse import quote
 
 import typer
+from typer.core import TyperGroup
 
 from sketchwidget import __version__
 from sketchwidget.training.commands import evaluate, train
 
+
+class _Commands(TyperGroup):
+    def invoke(self, ctx: Any) -> Any:
+        """Run a command; what a user can mend ends in a message and a non-zero status."""
+        try:
+            return super().invoke(ctx)
+        except ModuleNotFoundError as error:
+            fail(f"{error.name} is missing: pip install 'sketchwidget[database]'")
+        except (OSError, ValueError) as error:
+            fail(str(error))
+
+
 main = typer.Typer(
+    cls=_Commands,
     help="Draw a face in a notebook, and a 3D head follows your pen.",
     no_args_is_help=True,
     add_completion=False,
 )
-
-
 main.add_typer(train, name="train")
 main.command()(evaluate)
 

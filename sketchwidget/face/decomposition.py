@@ -41,12 +41,12 @@ def decompose(tensor: np.ndarray, rank: tuple[int, int], components: int) -> Bil
     centred = tensor - mean
     identities, expressions = (_leading(unfold(centred, mode), size) for mode, size in enumerate(rank))
     core = multi_mode_dot(centred, [identities.T, expressions.T], modes=[0, 1])
-    left, singular, right = svd(core.reshape(-1, core.shape[-1]), full_matrices=False)
-    kept = slice(0, components)
+    unfolded = core.reshape(-1, core.shape[-1])
+    basis = _signed(svd(unfolded, full_matrices=False)[2][:components].T)
     return Bilinear(
         mean=mean,
-        basis=np.ascontiguousarray(right[kept].T, dtype=np.float32),
-        core=((left[:, kept] * singular[kept]).T.reshape(-1, *core.shape[:2])).astype(np.float32),
+        basis=np.ascontiguousarray(basis, dtype=np.float32),
+        core=(unfolded @ basis).T.reshape(-1, *core.shape[:2]).astype(np.float32),
         identities=identities.astype(np.float32),
         expressions=expressions.astype(np.float32),
     )
@@ -55,4 +55,10 @@ def decompose(tensor: np.ndarray, rank: tuple[int, int], components: int) -> Bil
 def _leading(unfolded: np.ndarray, size: int) -> np.ndarray:
     """Left singular vectors (rows, size), strongest first, by way of the small Gram matrix."""
     gram = (unfolded @ unfolded.T).astype(np.float64)
-    return eigh(gram)[1][:, ::-1][:, :size].astype(np.float32)
+    return _signed(eigh(gram)[1][:, ::-1][:, :size]).astype(np.float32)
+
+
+def _signed(vectors: np.ndarray) -> np.ndarray:
+    """Singular vectors (n, k) with the largest entry of each positive: libraries differ in the sign that they give."""
+    largest = np.abs(vectors).argmax(axis=0)
+    return vectors * np.sign(vectors[largest, np.arange(vectors.shape[1])])

@@ -37,8 +37,8 @@ class DeformationTransfer:
     """Carries deformation gradients to a target at rest, with some vertices held where they are.
 
     The fourth vertex of each target triangle is free, so that it always meets its gradient along the normal; what is
-    left is
-    a Poisson problem in the area-weighted tangential gradients, with one factorisation for all right-hand sides.
+    left is a Poisson problem in the area-weighted tangential gradients, with one factorisation for all right-hand
+    sides.
 
     Parameters
     ----------

@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from scipy.spatial import KDTree
 
-from ..sketch import SILHOUETTE, UNNAMED, WRINKLE, arc_length, resample
+from ..sketch import SILHOUETTE, UNNAMED, WRINKLE, arc_length, resample, resample_each
 from .outline import Outline
 
 _SAMPLES = 24
@@ -19,20 +19,22 @@ _EAR_MIDDLE, _EAR_HEIGHT, _EAR_BREADTH = (0.28, 0.8), (0.06, 0.45), 0.35
 _EAR_REACH = 0.15
 
 
-def whereabouts(stroke: np.ndarray, outline: Outline) -> str:
-    """Where a stroke lies: "inside" the outline, beside it as an "ear" may, or "outside", as hair or a neck does."""
-    points = resample(stroke, _SAMPLES)
-    within = outline.holds(points)
-    if within.mean() > 0.5:
-        return "inside"
+def whereabouts(strokes: Sequence[np.ndarray], outline: Outline) -> list[str]:
+    """Where each stroke lies: "inside" the outline, beside it as an "ear" may, or "outside", as hair or a neck does."""
+    points = resample_each(strokes, _SAMPLES)
+    within = outline.holds(points.reshape(-1, 2)).reshape(len(strokes), _SAMPLES).mean(axis=1)
     low, high = outline.points.min(axis=0), outline.points.max(axis=0)
     box = (points - low) / (high - low)
-    x, y = box.mean(axis=0)
-    breadth, height = np.ptp(box, axis=0)
-    beside = (x < 0.12 or x > 0.88) and _EAR_MIDDLE[0] < y < _EAR_MIDDLE[1]
-    near = max(-box[:, 0].max(), box[:, 0].min() - 1) < _EAR_REACH
-    small = breadth < _EAR_BREADTH and _EAR_HEIGHT[0] < height < _EAR_HEIGHT[1]
-    return "ear" if beside and near and small else "outside"
+    (x, y), (breadth, height) = box.mean(axis=1).T, np.ptp(box, axis=1).T
+    beside = ((x < 0.12) | (x > 0.88)) & _within(y, _EAR_MIDDLE)
+    near = np.maximum(-box[..., 0].max(axis=1), box[..., 0].min(axis=1) - 1) < _EAR_REACH
+    small = (breadth < _EAR_BREADTH) & _within(height, _EAR_HEIGHT)
+    places = np.where(within > 0.5, "inside", np.where(beside & near & small, "ear", "outside")).tolist()
+    return ["inside" if index in outline.strokes else place for index, place in enumerate(places)]
+
+
+def _within(values: np.ndarray, bounds: tuple[float, float]) -> np.ndarray:
+    return (bounds[0] < values) & (values < bounds[1])
 
 
 def name_strokes(
@@ -53,12 +55,9 @@ def name_strokes(
     """
     size = float(np.sqrt(np.prod(np.ptp(outline.points, axis=0))))
     names = list(lines)
-    points = np.concatenate([resample(stroke, _SAMPLES) for stroke in strokes])
-    near = [KDTree(resample(line, 2 * _SAMPLES)).query(points)[0] for line in lines.values()]
-    distance = np.stack(near).reshape(len(names), len(strokes), _SAMPLES).mean(axis=2)
+    points = resample_each(strokes, _SAMPLES)
     length = np.array([arc_length(stroke)[-1] for stroke in strokes])
-    ratio = length / np.array([[arc_length(line)[-1]] for line in lines.values()])
-    distance[(ratio < _LENGTHS[0]) | (ratio > _LENGTHS[1])] = np.inf
+    distance = np.stack([_distance(points, length, line, _NEAR * size) for line in lines.values()])
     nearest = distance.argmin(axis=0)
     inner = {
         index: stroke
@@ -73,11 +72,24 @@ def name_strokes(
         if places[index] == "outside":
             return UNNAMED
         best = nearest[index]
-        near = names[best] if distance[best, index] < _NEAR * size else WRINKLE
+        near = names[best] if np.isfinite(distance[best, index]) else WRINKLE
         # Its place tells more than the nearest line: people draw eyes higher than they are.
         return by_place.get(index, near) if near == WRINKLE or "eye" in near or "brow" in near else near
 
     return tuple(name(index) for index in range(len(strokes)))
+
+
+def _distance(points: np.ndarray, length: np.ndarray, line: np.ndarray, reach: float) -> np.ndarray:
+    """Mean distance (n,) of strokes (n, k, 2) from a line; inf beyond `reach`, and where lengths do not go together."""
+    distance = np.full(len(points), np.inf)
+    ratio = length / arc_length(line)[-1]
+    # No mean distance is less than that of the stroke's middle from the line's box: most strokes go no further.
+    middle = points.mean(axis=1)
+    off = np.linalg.norm(middle - np.clip(middle, line.min(axis=0), line.max(axis=0)), axis=1)
+    rivals = np.flatnonzero((off < reach) & (ratio >= _LENGTHS[0]) & (ratio <= _LENGTHS[1]))
+    distance[rivals] = KDTree(resample(line, 2 * _SAMPLES)).query(points[rivals])[0].mean(axis=1)
+    distance[distance >= reach] = np.inf
+    return distance
 
 
 def _eyes_and_brows(strokes: Mapping[int, np.ndarray], lines: Mapping[str, np.ndarray], side: str) -> dict[int, str]:

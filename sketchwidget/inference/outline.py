@@ -12,9 +12,7 @@ from ..sketch import arc_length, resample
 
 _SAMPLES = 96
 _SECTORS = 36
-_AROUND = (
-    0.5  # share of all directions that an outline has to be seen in from its middle: a jaw drawn as a U just has it
-)
+_AROUND = 0.5  # share of all directions in which an outline is seen from its middle: a jaw drawn as a U just has it
 _CLOSED = 0.9
 _HOLLOW = 0.2  # least over greatest distance from the middle: a scribble comes nearer
 _ASPECT = (0.45, 3.0)  # height over width
@@ -56,9 +54,8 @@ def find_outline(strokes: Sequence[np.ndarray]) -> Outline | None:
     """The outline of the head, if one can be told.
 
     One stroke that goes round is taken before several that meet, the one that holds most other strokes before the
-    rest, and
-    among equals a closed one before an open one and the first drawn before later ones: so hair, ears or a hat drawn
-    afterwards do not take its place.
+    rest, and among equals a closed one before an open one and the first drawn before later ones: so hair, ears or a hat
+    drawn afterwards do not take its place.
 
     Parameters
     ----------

@@ -74,7 +74,7 @@ class FaceRegressor:
         self._landmarks = np.einsum("ln,nck->lck", corners, by_vertex).reshape(3 * len(corners), -1)
 
     def predict(self, sketch: Sketch) -> Face:
-        """The head that a drawing shows; an empty one shows the mean face."""
+        """The head that a drawing shows; an empty one shows the mean face. Raises as `infer` does."""
         return self.infer(sketch).face
 
     def infer(self, sketch: Sketch) -> Inference:
@@ -83,7 +83,14 @@ class FaceRegressor:
         Once an outline of the head is found, place and size are taken from it, and strokes that are outside it and no
         ears are left out: the same drawing moved or scaled gives the same head, and hair moves nothing. Before that the
         canvas itself is the frame. Ears beside the outline shape the head's ears and hardly anything else.
+
+        Raises
+        ------
+        TypeError
+            If the drawing is no `Sketch`.
         """
+        if not isinstance(sketch, Sketch):
+            raise TypeError(f"a drawing is a Sketch, as Sketch.from_strokes makes; given {type(sketch).__name__}")
         began = time.perf_counter()
         strokes = [segment.points for segment in sketch.segments]
         outline = find_outline(strokes)
@@ -91,10 +98,7 @@ class FaceRegressor:
             frame, places = Frame(), ["inside"] * len(strokes)
         else:
             frame = Frame.of_outline(outline.points)
-            places = [
-                "inside" if index in outline.strokes else whereabouts(stroke, outline)
-                for index, stroke in enumerate(strokes)
-            ]
+            places = whereabouts(strokes, outline)
         framed = [frame(stroke) for stroke in strokes]
         face_only = rasterise([stroke for stroke, place in zip(framed, places, strict=True) if place == "inside"])
         ears = rasterise([stroke for stroke, place in zip(framed, places, strict=True) if place == "ear"])

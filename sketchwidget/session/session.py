@@ -108,7 +108,8 @@ class Session(HasTraits):
         ValueError
             If the points are no stroke or the radius is out of range; nothing has changed then.
         """
-        return self._do(Erase(np.atleast_2d(points), radius))
+        place = isinstance(points, tuple | list | np.ndarray) and len(points) == 2 and all(map(np.isscalar, points))
+        return self._do(Erase([points] if place else points, radius))
 
     def clear(self) -> bool:
         """Remove all ink; False if there was none."""

@@ -1,8 +1,8 @@
 """Strokes and drawings in 2D: lines and segments, resampling, erasing, rasterising."""
 
-from .erase import erase, segments_hit
-from .names import COLOURS, FEATURES, LINE_NAMES, SILHOUETTE, UNNAMED, WRINKLE, kind, mirrored
-from .polyline import arc_length, resample, resample_spacing
+from .erase import erase
+from .names import COLOURS, FEATURES, LINE_NAMES, SILHOUETTE, UNNAMED, WRINKLE, kind
+from .polyline import arc_length, resample, resample_each
 from .raster import rasterise
 from .sketch import Segment, Sketch
 from .stroke import as_stroke
@@ -20,9 +20,7 @@ __all__ = [
     "as_stroke",
     "erase",
     "kind",
-    "mirrored",
     "rasterise",
     "resample",
-    "resample_spacing",
-    "segments_hit",
+    "resample_each",
 ]

@@ -23,30 +23,6 @@ _SHORTEST = 0.5  # of the radius: shorter fragments are crumbs and go too
 _TOUCH = 1 - 1e-3  # of the radius: ink further out only touches the eraser, as do the ends that an earlier pass left
 
 
-def segments_hit(sketch: Sketch, path: Any, radius: float) -> list[int]:
-    """The segments with ink under an eraser.
-
-    Parameters
-    ----------
-    sketch : Sketch
-    path : (n, 2) array-like
-        Where the eraser's centre went, in canvas coordinates; one point is a click.
-    radius : float
-        Of the eraser, in canvas units, from 0.001 to 1.
-
-    Returns
-    -------
-    list of int
-        Their indices in the sketch, ascending.
-
-    Raises
-    ------
-    ValueError
-        If the path is no stroke or the radius is out of range.
-    """
-    return list(_erased_spans(sketch, path, as_radius(radius)))
-
-
 def erase(sketch: Sketch, path: Any, radius: float) -> Sketch:
     """The sketch without the ink under an eraser.
 

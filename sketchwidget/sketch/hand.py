@@ -1,9 +1,8 @@
 """How people draw a face: each feature in one of several manners, some left out, all of it with an unsteady hand.
 
 Turns the exact lines of a face into one of many drawings of it: random removal and deformation of lines as in the
-paper's
-section 4.4, and past it the shorthand of freehand drawings (a mouth as one line, an eye as an ellipse or a dot, an
-oval head).
+paper's section 4.4, and past it the shorthand of freehand drawings (a mouth as one line, an eye as an ellipse or a dot,
+an oval head).
 """
 
 from __future__ import annotations

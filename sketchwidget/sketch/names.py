@@ -40,9 +40,3 @@ def kind(name: str) -> str:
     if not isinstance(name, str) or name not in _KINDS:
         raise ValueError(f"a line is one of {', '.join(LINE_NAMES)}; given {name!r}")
     return _KINDS[name]
-
-
-def mirrored(name: str) -> str:
-    """The name of a line in the mirror image of its face: left and right exchanged."""
-    side, _, rest = name.partition("_")
-    return {"left": f"right_{rest}", "right": f"left_{rest}"}.get(side, name)

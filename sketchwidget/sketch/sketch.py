@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -100,7 +100,11 @@ class Sketch:
         ------
         ValueError
             If a stroke is no array (n, 2) of finite numbers, or there are too many strokes.
+        TypeError
+            If the strokes are no sequence.
         """
+        if not isinstance(strokes, Sequence | np.ndarray) or isinstance(strokes, str):
+            raise TypeError(f"a drawing is a list of strokes, each an array (n, 2); given {type(strokes).__name__}")
         drawn = [as_points(points) for points in strokes]
         if drawn:
             low, high = _bounds(drawn)
@@ -121,33 +125,9 @@ class Sketch:
             lines.setdefault(segment.name, []).append(segment.points)
         return lines
 
-    @property
-    def bounds(self) -> tuple[np.ndarray, np.ndarray] | None:
-        """Least and greatest coordinates (2,), (2,) of all points; None for an empty sketch."""
-        return _bounds([segment.points for segment in self.segments]) if self.segments else None
-
-    def points_of(self, name: str) -> np.ndarray:
-        """All points (n, 2) of one line, its segments joined in drawing order; (0, 2) if it is not drawn."""
-        kind(name)
-        none = np.empty((0, 2), dtype=np.float32)
-        return np.concatenate([none, *self.lines.get(name, [])])
-
     def with_segment(self, name: str, points: Any) -> Sketch:
         """The sketch with one more stroke, bounded by `as_stroke`."""
         return Sketch((*self.segments, Segment(name, as_stroke(points))))
-
-    def without(self, indices: Iterable[int]) -> Sketch:
-        """The sketch without the segments at `indices`.
-
-        Raises
-        ------
-        IndexError
-            If there is no such segment.
-        """
-        left_out = set(indices)
-        if missing := left_out - set(range(len(self))):
-            raise IndexError(f"a sketch of {len(self)} segments has no segment {min(missing)}")
-        return Sketch(tuple(segment for i, segment in enumerate(self.segments) if i not in left_out))
 
     def renamed(self, names: Sequence[str]) -> Sketch:
         """The sketch with a new name for each segment.
@@ -165,10 +145,6 @@ class Sketch:
                 for segment, name in zip(self.segments, names, strict=True)
             )
         )
-
-    def transformed(self, scale: float, offset: Sequence[float] | np.ndarray) -> Sketch:
-        """The sketch with each point p at `scale * p + offset`; `offset` is (2,)."""
-        return Sketch(tuple(Segment(s.name, scale * s.points + np.asarray(offset)) for s in self.segments))
 
     def image(self, size: int = 256) -> np.ndarray:
         """The sketch as a binary image (size, size), True where there is ink."""

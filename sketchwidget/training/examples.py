@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 
@@ -12,7 +13,7 @@ from ..geometry.view import View
 from ..inference.framing import Frame
 from ..sketch import SILHOUETTE, rasterise
 from ..sketch.hand import Hand
-from .face_table import FaceTable, Stretch
+from .face_table import FaceTable, Reshaping
 
 Stored = tuple[np.ndarray, np.ndarray, np.ndarray]
 
@@ -56,8 +57,8 @@ class Examples(IterableDataset):
         Number of batches already seen; every batch has a seed of its own, so that training resumes where it was.
     left_out : (i, e) bool array, optional
         Faces never drawn from.
-    stretch : Stretch, optional
-        Makes heads broader and longer than the table's too: people draw rounder outlines than most heads have.
+    reshaping : Reshaping, optional
+        Gives half of the faces other proportions than the table's.
     """
 
     def __init__(
@@ -69,13 +70,13 @@ class Examples(IterableDataset):
         seed: int,
         start: int = 0,
         left_out: np.ndarray | None = None,
-        stretch: Stretch | None = None,
+        reshaping: Reshaping | None = None,
     ) -> None:
         self.table, self.variety, self.batch, self.seed, self.start = table, variety, batch, seed, start
         self._neutral = expressions.index("neutral")
         self._quiet = [expressions.index(name) for name in _QUIET_MOUTHS]
         self._left_out = np.zeros(table.codes.shape[:2], dtype=bool) if left_out is None else left_out
-        self._stretch = stretch
+        self._reshaping = reshaping
         self._mean_code = table.codes[:, self._neutral].mean(axis=0)
         self._mean_points = table.points[:, self._neutral].astype(np.float32).mean(axis=0)
 
@@ -118,10 +119,12 @@ class Examples(IterableDataset):
             _, own, own_code = self._stored(identity, self._neutral)
             points, rest = points + more * (own - self._mean_points), rest + more * (own - self._mean_points)
             code = code + more * (own_code - self._mean_code)
-        if self._stretch is not None and random.random() < 0.5:
-            ratio = float(np.exp(random.normal(0.07, 0.13)))
-            rest, _ = self._stretch(rest, code, ratio)
-            points, code = self._stretch(points, code, ratio)
+        if self._reshaping is not None and random.random() < 0.5:
+            ratio = math.exp(random.normal(0.07, 0.13) / 2)  # of width and height, the area kept
+            jaw, crown = random.normal(0.0, 0.14), random.normal(0.0, 0.07)
+            amounts = {"width": ratio - 1, "height": 1 / ratio - 1, "jaw": jaw, "crown": crown}
+            rest, _ = self._reshaping(rest, code, amounts)
+            points, code = self._reshaping(points, code, amounts)
         return self._overdrawn(points, rest, random), code
 
     def _overdrawn(self, points: np.ndarray, rest: np.ndarray, random: np.random.Generator) -> np.ndarray:

@@ -37,7 +37,7 @@ class Schedule:
         Steps between checkpoints.
     """
 
-    steps: int = 4400
+    steps: int = 6600
     batch: int = 64
     rate: float = 2e-3
     checkpoint: int = 250

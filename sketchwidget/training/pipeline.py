@@ -16,10 +16,10 @@ from ..database.anny import AnnySource
 from ..face.model import FaceModel
 from ..inference.network import COMPACT, Layout
 from ..inference.regressor import FaceRegressor, fingerprint, save_network
-from .evaluate import TestFaces
+from .evaluate import UnseenFaces
 from .examples import Examples, Variety
 from .face_model import RANK, build_face_model, model_frame, pose_heads
-from .face_table import FaceTable, Stretch, tabulate, vertex_metric
+from .face_table import FaceTable, Reshaping, tabulate, vertex_metric
 from .network import Schedule, standardisation, train
 from .provenance import provenance
 
@@ -91,7 +91,7 @@ class Pipeline:
             model, self.posed, scale, origin, self.work / f"table-{len(self.posed)}-{fingerprint(model)[:8]}.npz"
         )
 
-    def test_faces(self, model: FaceModel, split: str, count: int) -> TestFaces:
+    def unseen_faces(self, model: FaceModel, split: str, count: int) -> UnseenFaces:
         """Faces that the network has not seen: of seen identities ("random") or of left-out ones ("identity")."""
         scale, origin = model_frame(self.source, self.posed[: self.heads.model])
         left_out = np.zeros(self.posed.shape[:2], dtype=bool)
@@ -101,7 +101,7 @@ class Pipeline:
             left_out[self.heads.training :] = True
         candidates = np.argwhere(left_out)
         chosen = np.random.default_rng(_SEED).permutation(candidates)[:count]
-        return TestFaces(self.table(model), self.posed, scale, origin, chosen)
+        return UnseenFaces(self.table(model), self.posed, scale, origin, chosen)
 
     def random_split(self) -> np.ndarray:
         """Faces (i, e) of the training identities that are kept for tests, bool."""
@@ -120,7 +120,7 @@ class Pipeline:
             schedule.batch,
             _SEED,
             left_out=self.random_split(),
-            stretch=Stretch(model),
+            reshaping=Reshaping(model),
         )
         network = train(
             model,

@@ -79,5 +79,5 @@ def test_ears_and_inner_strokes_belong_to_the_face_and_hair_does_not():
     ear = np.array([[0.23, 0.44], [0.19, 0.43], [0.18, 0.5], [0.2, 0.57], [0.24, 0.58]])
     neck = np.array([[0.42, 0.88], [0.41, 0.98]])
     curl = HAIR[:3] + np.array([-0.05, 0.0])
-    assert whereabouts(EYE, outline) == "inside" and whereabouts(ear, outline) == "ear"
-    assert {whereabouts(stroke, outline) for stroke in (HAIR, neck, curl)} == {"outside"}
+    places = whereabouts([OVAL, EYE, ear, HAIR, neck, curl], outline)
+    assert places == ["inside", "inside", "ear", "outside", "outside", "outside"]

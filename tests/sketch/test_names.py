@@ -1,6 +1,6 @@
 import pytest
 
-from sketchwidget.sketch import COLOURS, FEATURES, LINE_NAMES, kind, mirrored
+from sketchwidget.sketch import COLOURS, FEATURES, LINE_NAMES, kind
 
 
 def test_every_line_has_a_kind_and_every_kind_a_colour():
@@ -16,15 +16,3 @@ def test_the_papers_feature_lines_are_features():
 def test_an_unknown_line_is_an_error(name):
     with pytest.raises(ValueError, match="a line is one of"):
         kind(name)
-
-
-def test_the_mirror_image_exchanges_left_and_right():
-    assert mirrored("left_eye_upper") == "right_eye_upper"
-    assert mirrored("right_brow") == "left_brow"
-    assert mirrored("nose") == "nose"
-
-
-@pytest.mark.parametrize("name", LINE_NAMES)
-def test_mirroring_twice_gives_the_line_back(name):
-    assert mirrored(name) in LINE_NAMES
-    assert mirrored(mirrored(name)) == name

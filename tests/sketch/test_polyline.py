@@ -4,7 +4,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 
-from sketchwidget.sketch import arc_length, resample, resample_spacing
+from sketchwidget.sketch import arc_length, resample, resample_each
 
 polylines = hnp.arrays(np.float64, st.tuples(st.integers(1, 20), st.just(2)), elements=st.floats(-1, 2, width=32))
 
@@ -19,15 +19,9 @@ def test_resampling_a_right_angle():
     )
 
 
-def test_resampling_by_spacing_uses_as_few_points_as_it_may():
-    line = np.array([[0.0, 0.0], [1.0, 0.0]])
-    np.testing.assert_allclose(resample_spacing(line, 0.4)[:, 0], [0, 1 / 3, 2 / 3, 1], rtol=1e-6)
-
-
 def test_a_dot_stays_a_dot():
     dot = np.array([[0.5, 0.25]])
     np.testing.assert_array_equal(resample(dot, 3), np.repeat(dot, 3, axis=0))
-    np.testing.assert_array_equal(resample_spacing(dot, 0.1), dot)
 
 
 @given(polylines, st.integers(2, 50))
@@ -45,15 +39,15 @@ def test_fine_resampling_keeps_the_length(points):
     assert abs(arc_length(resample(points, 2001))[-1] - length) <= len(points) * length / 2000 + 1e-4
 
 
-@given(polylines, st.floats(0.05, 1))
-def test_neighbours_are_within_the_spacing(points, step):
-    assert np.diff(arc_length(resample_spacing(points, step))).max(initial=0) <= step + 1e-5
-
-
-@pytest.mark.parametrize("step", [0, -1, float("nan")])
-def test_a_spacing_is_positive(step):
-    with pytest.raises(ValueError, match="positive"):
-        resample_spacing(np.zeros((2, 2)), step)
+@given(st.lists(polylines, max_size=5), st.integers(1, 20))
+def test_each_of_many_is_resampled_as_if_alone(lines, n):
+    together = resample_each(lines, n)
+    assert together.shape == (len(lines), n, 2)
+    for points, line in zip(together, lines, strict=True):
+        along = arc_length(line)
+        wanted = np.linspace(0, along[-1], n)
+        alone = np.stack([np.interp(wanted, along, line[:, k]) for k in (0, 1)], axis=1)
+        np.testing.assert_allclose(points, alone, atol=1e-6)
 
 
 def test_at_least_one_point_is_asked_for():

@@ -11,7 +11,7 @@ from sketchwidget.inference.network import TINY
 from sketchwidget.sketch.hand import Hand
 from sketchwidget.training import face_table
 from sketchwidget.training.examples import PARTS, Examples, Variety, draw_example
-from sketchwidget.training.face_table import LINES, FaceTable, Stretch, vertex_metric
+from sketchwidget.training.face_table import LINES, FaceTable, Reshaping, vertex_metric
 from sketchwidget.training.network import Schedule, VertexLoss, standardisation, train
 
 
@@ -86,12 +86,19 @@ def test_a_face_without_a_mouth_is_a_quiet_one(model, table):
     assert quiet
 
 
-def test_stretch_scales_the_mesh_as_it_scales_the_points(model, table):
-    points, code = Stretch(model)(table.points[0, 0].astype(np.float32), table.codes[0, 0], 1.2)
+@pytest.mark.parametrize("way", ["width", "height", "jaw", "crown"])
+def test_reshaping_moves_the_mesh_as_it_moves_the_points(model, table, way):
+    before = table.points[0, 0].astype(np.float32)
+    points, code = Reshaping(model)(before, table.codes[0, 0], {way: 0.15})
     fine = model.template.subdivision @ (model.bilinear.mean + model.bilinear.basis @ code).reshape(-1, 3)
     paths = np.concatenate([model.curves[name] for name in LINES])
     assert np.abs(fine[paths] - points).mean() < 1.5  # mm: what the vertex basis can hold of it
-    assert np.ptp(points[:, 0]) / np.ptp(table.points[0, 0, :, 0].astype(float)) == pytest.approx(1.2**0.5, rel=1e-2)
+    axis = 1 if way == "height" else 0
+    low, high = before[:, 1].min(), before[:, 1].max()
+    part = {"jaw": before[:, 1] < low + 50, "crown": before[:, 1] > high - 50}.get(way, np.ones(len(before), bool))
+    grown = np.ptp(points[part, axis]) / np.ptp(before[part, axis])
+    assert grown == pytest.approx(1.15, abs=0.07)
+    np.testing.assert_array_equal(np.delete(points, axis, axis=1), np.delete(before, axis, axis=1))
 
 
 def test_vertex_loss_is_the_weighted_distance_of_the_vertices(model, table):
