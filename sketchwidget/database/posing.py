@@ -1,45 +1,39 @@
-"""Every expression on every identity: alignment of the heads and deformation transfer of the poses."""
+"""Every expression on a head: its alignment, and deformation transfer of the poses."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Mapping
 
 import numpy as np
-from joblib import Parallel, delayed
-from tqdm import tqdm
 
 from ..face.template import PARTS, Template
 from ..geometry.alignment import similarity
 from ..geometry.deformation_transfer import DeformationTransfer, deformation_gradients
-from .source import FaceSource
 
 FACE_HEIGHT_MM = 200.0  # menton to crown
 _MENTON = 8  # iBUG landmark
-_CHUNK = 50  # identities that a process poses in one go; each go sends it the source anew
 
 
 class Posing:
-    """Carries a source's expressions from its own resting head to any of its identities.
+    """Carries the expressions of one head to others.
 
     The skin and the mouth's lining are carried by deformation transfer (Sumner and Popovic 2004). Eyes, teeth and
     tongue, which move rigidly if at all, take over the displacement as it is: all heads are aligned and of one size.
 
     Parameters
     ----------
-    source : FaceSource
+    template : Template
+    poses : dict of (n, 3) arrays
+        Coarse vertices of one head by expression, at rest as "neutral".
     """
 
-    def __init__(self, source: FaceSource) -> None:
-        template = source.template
-        self._source = source
+    def __init__(self, template: Template, poses: Mapping[str, np.ndarray]) -> None:
         self._skin = np.flatnonzero(template.parts <= PARTS.index("mouth"))
         number_of = np.full(template.coarse_count, -1)
         number_of[self._skin] = np.arange(len(self._skin))
         faces = number_of[template.coarse_faces]
         self._faces = faces[(faces >= 0).all(axis=1)]
 
-        poses = source.expressions()
-        self.names = list(poses)
         scale, centre = to_millimetres(template.subdivision @ poses["neutral"], template)
         self._rest = scale * (poses["neutral"] - centre)
         self._displacements = np.stack([scale * (pose - poses["neutral"]) for pose in poses.values()])
@@ -50,30 +44,13 @@ class Posing:
             [deformation_gradients(self._rest[self._skin], pose[self._skin], self._faces) for pose in posed]
         )
 
-    def __call__(self, number: int) -> np.ndarray:
-        """Identity `number` in every expression: (expressions, n, 3) float32 coarse vertices, millimetres, aligned."""
-        identity = self._source.identity(number)
+    def __call__(self, identity: np.ndarray) -> np.ndarray:
+        """A resting head (n, 3), in any unit and place, in each expression: (expressions, n, 3) float32, millimetres."""
         scale, rotation, translation = similarity(identity[self._skin], self._rest[self._skin])
         rest = scale * identity @ rotation.T + translation
         posed = rest + self._displacements
         posed[:, self._skin] = DeformationTransfer(rest[self._skin], self._faces, self._held)(self._gradients)
         return posed.astype(np.float32)
-
-    def all(self, numbers: Iterable[int], jobs: int = 1) -> np.ndarray:
-        """Many identities at once, spread by joblib: (identities, expressions, n, 3) float32."""
-        numbers = list(numbers)
-        chunks = [numbers[start : start + _CHUNK] for start in range(0, len(numbers), _CHUNK)]
-        done = Parallel(n_jobs=jobs, return_as="generator")(delayed(self._chunk)(chunk) for chunk in chunks)
-        posed = np.empty((len(numbers), *self._displacements.shape), dtype=np.float32)
-        bar = tqdm(total=len(numbers), desc="identities", unit="head")
-        for chunk, heads in zip(range(0, len(numbers), _CHUNK), done, strict=True):
-            posed[chunk : chunk + _CHUNK] = heads
-            bar.update(_CHUNK)
-        bar.close()
-        return posed
-
-    def _chunk(self, numbers: list[int]) -> np.ndarray:
-        return np.stack([self(number) for number in numbers])
 
 
 def to_millimetres(head: np.ndarray, template: Template) -> tuple[float, np.ndarray]:

@@ -105,7 +105,7 @@ class Pipeline:
 
     def random_split(self) -> np.ndarray:
         """Faces (i, e) of the training identities that are kept for tests, bool."""
-        shape = (self.heads.training, len(self.source.expressions()))
+        shape = (self.heads.training, len(self.source.expressions))
         return np.random.default_rng([_SEED, 10]).random(shape) < _LEFT_OUT
 
     def train_network(

@@ -5,18 +5,13 @@ import pytest
 
 from sketchwidget.database import anny as anny_module
 from sketchwidget.database.anny import AnnySource
-from sketchwidget.database.posing import Posing
 from sketchwidget.face import PARTS
+from sketchwidget.training.face_model import pose_heads
 
 
 @pytest.fixture(scope="module")
 def source():
     return AnnySource()
-
-
-@pytest.fixture(scope="module")
-def posing(source):
-    return Posing(source)
 
 
 def test_topology_is_one_head(source):
@@ -31,40 +26,40 @@ def test_a_number_names_one_face(source):
 
 
 def test_there_are_25_expressions_and_the_first_is_rest(source):
-    expressions = source.expressions()
+    expressions = source.poses()
     assert len(expressions) == 25 and next(iter(expressions)) == "neutral"
     rest = expressions.pop("neutral")
     assert all(np.abs(pose - rest).max() > 0.03 for pose in expressions.values())
 
 
-def test_posed_heads_are_aligned_and_in_millimetres(source, posing):
-    heads = posing.all([0, 1, 2])
+def test_posed_heads_are_aligned_and_in_millimetres(source):
+    heads = np.stack([source.heads(number) for number in range(3)])
     assert heads.shape == (3, 25, source.template.coarse_count, 3) and heads.dtype == np.float32
     fine = source.template.subdivision @ heads[:, 0].mean(axis=0)
     assert 170 < fine[:, 1].max() - fine[source.template.landmarks[8], 1] < 230
 
 
-def test_back_of_the_head_does_not_move_and_eyeballs_stay(source, posing):
-    head = posing(5)
+def test_back_of_the_head_does_not_move_and_eyeballs_stay(source):
+    head = source.heads(5)
     eyes = source.template.parts == PARTS.index("eyes")
     np.testing.assert_allclose(head[:, eyes] - head[0, eyes], 0, atol=1e-4)
     still = np.abs(head - head[0]).max(axis=(0, 2)) < 1e-4
     assert still[head[0, :, 2] < head[0, :, 2].mean() - 60].all()
 
 
-def test_pose_is_transferred_rather_than_added(posing):
+def test_pose_is_transferred_rather_than_added(source):
     """On the source's own resting head both agree; on another identity the lids still close."""
-    names = posing.names
-    head = posing(7)
+    names = source.expressions
+    head = source.heads(7)
     closed = names.index("eyes_closed")
     assert np.abs(head[closed] - head[0]).max() > 3
-    other = posing(8)
+    other = source.heads(8)
     assert np.abs((head[closed] - head[0]) - (other[closed] - other[0])).max() > 0.3
 
 
-def test_processes_do_not_change_the_heads(posing, monkeypatch):
-    monkeypatch.setattr("sketchwidget.database.posing._CHUNK", 1)
-    np.testing.assert_array_equal(posing.all([0, 1], jobs=2), posing.all([0, 1], jobs=1))
+def test_processes_do_not_change_the_heads(source, tmp_path):
+    alone = pose_heads(source, range(3), tmp_path / "alone.npy")
+    np.testing.assert_array_equal(pose_heads(source, range(3), tmp_path / "together.npy", jobs=2), alone)
 
 
 def test_missing_package_says_what_to_install(monkeypatch):
