@@ -6,18 +6,21 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from .database.database import FaceDatabase
     from .face import Face, FaceModel
     from .geometry import View
     from .inference import FaceRegressor
     from .session import Session
     from .sketch import Sketch
-    from .widgets import Studio
+    from .widgets import DrawingCollector, Studio
 
 __version__ = "0.1.0"
 
 # Each public name and the room that defines it: imported on first use, so that `import sketchwidget` stays light.
 _HOMES = {
+    "DrawingCollector": "widgets",
     "Face": "face",
+    "FaceDatabase": "database.database",
     "FaceModel": "face",
     "FaceRegressor": "inference",
     "Session": "session",
@@ -26,7 +29,18 @@ _HOMES = {
     "View": "geometry",
 }
 
-__all__ = ["Face", "FaceModel", "FaceRegressor", "Session", "Sketch", "Studio", "View", "__version__"]
+__all__ = [
+    "DrawingCollector",
+    "Face",
+    "FaceDatabase",
+    "FaceModel",
+    "FaceRegressor",
+    "Session",
+    "Sketch",
+    "Studio",
+    "View",
+    "__version__",
+]
 
 
 def __getattr__(name: str) -> Any:

@@ -20,6 +20,7 @@ import typer
 from typer.core import TyperGroup
 
 from sketchwidget import __version__
+from sketchwidget.database.commands import database, drawings
 from sketchwidget.training.commands import evaluate, train
 
 
@@ -41,6 +42,8 @@ main = typer.Typer(
     add_completion=False,
 )
 main.add_typer(train, name="train")
+main.add_typer(drawings, name="drawings")
+main.command()(database)
 main.command()(evaluate)
 
 

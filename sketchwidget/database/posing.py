@@ -45,7 +45,7 @@ class Posing:
         )
 
     def __call__(self, identity: np.ndarray) -> np.ndarray:
-        """A resting head (n, 3), in any unit and place, in each expression: (expressions, n, 3) float32, millimetres."""
+        """A resting head (n, 3), in any unit and place, in each expression: (e, n, 3) float32, millimetres."""
         scale, rotation, translation = similarity(identity[self._skin], self._rest[self._skin])
         rest = scale * identity @ rotation.T + translation
         posed = rest + self._displacements

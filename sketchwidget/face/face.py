@@ -92,11 +92,11 @@ class Face:
         Parameters
         ----------
         wrinkles : bool
-            Draw the outer contour of the lips too.
+            Draw the outer contour of the lips and the suggestive contours of the face too, without their hidden parts.
         view : View, optional
             Where it stands on the canvas; the canonical front by default.
         """
-        return draw(self.model.template, self.vertices, view or View(), wrinkles)
+        return draw(self.model.template, self.vertices, view or View(), self.model.wrinkles if wrinkles else None)
 
     def picture(self, view: View | str = "front", size: int = 320) -> np.ndarray:
         """A shaded picture (size, size, 3) uint8; a preset view is a little further away, to show the neck too."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import json
 import os
 from functools import cached_property
@@ -11,14 +12,16 @@ from typing import Any
 
 import numpy as np
 from safetensors.numpy import save_file
+from scipy.sparse.linalg import SuperLU, splu
 
 from ..sketch import FEATURES, SILHOUETTE
 from .appearance import vertex_colors
-from .bilinear import Bilinear
+from .bilinear import Bilinear, fit
 from .drawing import LIPS
 from .face import Face
 from .template import Template
 from .tensorfile import read
+from .wrinkles import Wrinkles
 
 FORMAT = "sketchwidget face model 1"
 _CURVE = "curve."
@@ -86,6 +89,11 @@ class FaceModel:
         """Colour (V, 3) float32 of each vertex."""
         return vertex_colors(self.template, self.mean)
 
+    @cached_property
+    def wrinkles(self) -> Wrinkles:
+        """What draws the wrinkles of this model's heads."""
+        return Wrinkles(self.template, self.mean)
+
     def vertices(self, identity: np.ndarray, expression: np.ndarray) -> np.ndarray:
         """Fine vertices (V, 3) float32 from weights; see `face`."""
         model = self.bilinear
@@ -115,6 +123,43 @@ class FaceModel:
             v = _weights(expression, self.expression_size, "expression")
         return Face(self, self.vertices(u, v), u, v)
 
+    def fit(self, vertices: Any) -> tuple[np.ndarray, np.ndarray]:
+        """Weights of a given mesh: those of the model's face that is nearest to it.
+
+        Parameters
+        ----------
+        vertices : (V, 3) array
+            A mesh of this topology, in millimetres and in the model's frame.
+
+        Returns
+        -------
+        identity : (identity_size,) float32 array
+        expression : (expression_size,) float32 array
+
+        Raises
+        ------
+        ValueError
+            If the vertices have another shape or are not finite.
+        """
+        given = np.asarray(vertices, dtype=np.float64)
+        expected = (len(self.template.fine_parts), 3)
+        if given.shape != expected or not np.isfinite(given).all():
+            raise ValueError(f"a mesh of this model has finite vertices {expected}; given shape {given.shape}")
+        refine = self.template.subdivision.astype(np.float64)
+        coarse = self._normal_equations.solve(refine.T @ given)
+        return fit(self.bilinear, coarse.ravel().astype(np.float32))
+
+    @property
+    def fingerprint(self) -> str:
+        """SHA-256 of the core, in hexadecimal: ties weights and networks to the model that they are for."""
+        return hashlib.sha256(self.bilinear.core.tobytes()).hexdigest()
+
+    @cached_property
+    def _normal_equations(self) -> SuperLU:
+        """Of the coarse mesh whose refinement is nearest to a fine one."""
+        refine = self.template.subdivision.astype(np.float64)
+        return splu((refine.T @ refine).tocsc())
+
     def _expression(self, name: str) -> np.ndarray:
         if name not in self.expressions:
             raise ValueError(f"an expression is one of {', '.join(self.expressions)}; given {name!r}")
@@ -135,6 +180,8 @@ class FaceModel:
             **{_CURVE + name: path for name, path in template.curves.items()},
         }
         header = {"format": FORMAT, "expressions": json.dumps(self.expressions), **provenance}
+        if not template.refined:
+            header["refined"] = "false"  # a header without the word is of a mesh that is refined
         save_file({name: np.ascontiguousarray(tensor) for name, tensor in tensors.items()}, path, header)
 
     @classmethod
@@ -155,14 +202,14 @@ class FaceModel:
         )
         header, tensors = read(path, "face model", FORMAT)
         try:
-            return cls._from_tensors(tensors, json.loads(header["expressions"]))
+            return cls._from_tensors(tensors, json.loads(header["expressions"]), header.get("refined") != "false")
         except (KeyError, IndexError, ValueError) as error:
             raise ValueError(f"{path} is a damaged face model: {error}") from error
 
     @classmethod
-    def _from_tensors(cls, tensors: dict[str, np.ndarray], expressions: list[str]) -> FaceModel:
+    def _from_tensors(cls, tensors: dict[str, np.ndarray], expressions: list[str], refined: bool) -> FaceModel:
         curves = {name.removeprefix(_CURVE): tensors[name] for name in tensors if name.startswith(_CURVE)}
-        template = Template(tensors["quads"], tensors["parts"], curves, tensors["landmarks"])
+        template = Template(tensors["quads"], tensors["parts"], curves, tensors["landmarks"], refined)
         bilinear = Bilinear(
             mean=tensors["mean"],
             basis=tensors["basis"].astype(np.float32),

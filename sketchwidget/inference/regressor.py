@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 import os
 import time
 from dataclasses import dataclass, field
@@ -17,11 +16,12 @@ from ..face import Face, FaceModel
 from ..face.drawing import outline as drawn_outline
 from ..face.tensorfile import read
 from ..geometry.view import View
-from ..sketch import FEATURES, SILHOUETTE, UNNAMED, Sketch, rasterise
-from .framing import Frame, place
-from .naming import name_strokes, whereabouts
+from ..sketch import FEATURES, SILHOUETTE, UNNAMED, Sketch
+from .framing import place
+from .naming import name_strokes
 from .network import Layout, PixelCNN
-from .outline import Outline, find_outline
+from .normalise import normalise
+from .outline import Outline
 
 FORMAT = "sketchwidget network 1"
 NETWORKS = {"PixelCNN": "pixelcnn.safetensors"}
@@ -92,22 +92,13 @@ class FaceRegressor:
         if not isinstance(sketch, Sketch):
             raise TypeError(f"a drawing is a Sketch, as Sketch.from_strokes makes; given {type(sketch).__name__}")
         began = time.perf_counter()
-        strokes = [segment.points for segment in sketch.segments]
-        outline = find_outline(strokes)
-        if outline is None:
-            frame, places = Frame(), ["inside"] * len(strokes)
-        else:
-            frame = Frame.of_outline(outline.points)
-            places = whereabouts(strokes, outline)
-        framed = [frame(stroke) for stroke in strokes]
-        face_only = rasterise([stroke for stroke, place in zip(framed, places, strict=True) if place == "inside"])
-        ears = rasterise([stroke for stroke, place in zip(framed, places, strict=True) if place == "ear"])
+        seen = normalise([segment.points for segment in sketch.segments])
         drawn = time.perf_counter()
-        identity, expression = self._weights(face_only, ears)
+        identity, expression = self._weights(seen.face, seen.ears)
         inferred = time.perf_counter()
         face = self.model.face(identity, expression)
         meshed = time.perf_counter()
-        view, names = self._find(face, sketch, outline, places)
+        view, names = self._find(face, sketch, seen.outline, seen.places)
         moments = {
             "rasterising": drawn - began,
             "inference": inferred - drawn,
@@ -176,7 +167,7 @@ class FaceRegressor:
             raise FileNotFoundError(f"no network {name!r}: it is one of {', '.join(NETWORKS)}, or the path of a file")
         header, tensors = read(path, "network", FORMAT, framework="pt")
         model = model or FaceModel.load()
-        if header.get("face_model") != fingerprint(model):
+        if header.get("face_model") != model.fingerprint:
             raise ValueError(f"{path} was trained for another face model; train it anew, or give the model it is for")
         try:
             standard = {key: tensors.pop(key).numpy() for key in _STANDARD}
@@ -208,10 +199,5 @@ def save_network(
         for name, tensor in network.state_dict().items()
     }
     tensors |= {name: torch.from_numpy(standard[name]) for name in _STANDARD}
-    header = {"format": FORMAT, "layout": layout.to_json(), "face_model": fingerprint(model), **provenance}
+    header = {"format": FORMAT, "layout": layout.to_json(), "face_model": model.fingerprint, **provenance}
     save_file({name: tensor.contiguous() for name, tensor in tensors.items()}, path, header)
-
-
-def fingerprint(model: FaceModel) -> str:
-    """What ties a network to the face model whose weights it gives."""
-    return hashlib.sha256(model.bilinear.core.tobytes()).hexdigest()

@@ -17,6 +17,7 @@ from . import file
 from .events import Clear, Draw, Erase, Event, Redo, Undo
 from .file import SessionFileError
 from .history import History
+from .layers import Layers
 
 if TYPE_CHECKING:
     from sketchwidget.inference import FaceRegressor
@@ -41,6 +42,8 @@ class Session(HasTraits):
         The drawing, each segment with the line name inferred for it.
     face : Face
         The head of the drawing; the mean face at first.
+    layers : Layers
+        What the head is made of.
     frame : View
         Where the drawing places the head on the canvas.
     timings : dict of str to float
@@ -53,6 +56,7 @@ class Session(HasTraits):
     mode = Unicode("initial", read_only=True)
     sketch = Instance(Sketch, args=(), read_only=True)
     face: Any = AnyTrait(read_only=True)
+    layers = Instance(Layers, read_only=True)
     frame = Instance(View, args=(), read_only=True)
     timings = Dict(read_only=True)
     can_undo = Bool(False, read_only=True)
@@ -109,7 +113,8 @@ class Session(HasTraits):
             If the points are no stroke or the radius is out of range; nothing has changed then.
         """
         place = isinstance(points, tuple | list | np.ndarray) and len(points) == 2 and all(map(np.isscalar, points))
-        return self._do(Erase([points] if place else points, radius))
+        path: Any = [points] if place else points
+        return self._do(Erase(path, radius))
 
     def clear(self) -> bool:
         """Remove all ink; False if there was none."""
@@ -167,9 +172,13 @@ class Session(HasTraits):
             raise SessionFileError(f"{os.fspath(path)} is no session: {error}") from error
         return cls.loads(text, regressor)
 
+    @default("layers")
+    def _layers_of_no_drawing(self) -> Layers:
+        return Layers(self.regressor.infer(Sketch()).face)
+
     @default("face")
-    def _mean_face(self) -> Any:
-        return self.regressor.infer(Sketch()).face
+    def _face_of_no_drawing(self) -> Any:
+        return self.layers.head
 
     def _do(self, event: Event) -> bool:
         started = perf_counter()
@@ -206,10 +215,12 @@ class Session(HasTraits):
         regressor = self.regressor
         started = perf_counter()
         inference = regressor.infer(sketch)
+        layers = Layers(inference.face)
         timings = {**timings, **inference.timings, "inference": _milliseconds_since(started)}
         return {
             "sketch": sketch.renamed(inference.names),
-            "face": inference.face,
+            "face": layers.head,
+            "layers": layers,
             "frame": inference.frame,
             "timings": timings,
         }

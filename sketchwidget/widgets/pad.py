@@ -23,15 +23,22 @@ class Pad:
 
     What is shown is drawn again whenever a page connects, or shows the pad at another size.
 
+    Parameters
+    ----------
+    invitation : str
+
     Attributes
     ----------
+    invitation : str
+        What the empty pad says from the next `show` on.
     widget : Ink
         What to put on the page; its strokes are what the user draws.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, invitation: str = INVITATION) -> None:
+        self.invitation = invitation
         self.canvas = MultiCanvas(3, width=START_SIZE, height=START_SIZE)
-        self.widget = Ink(canvas=self.canvas, colour=COLOURS["unnamed"], line_width=LINE_WIDTH, invitation=INVITATION)
+        self.widget = Ink(canvas=self.canvas, colour=COLOURS["unnamed"], line_width=LINE_WIDTH, invitation=invitation)
         self._sketch = Sketch(())
         self._ghost: Sketch | None = None
         self.canvas.on_client_ready(self._draw)
@@ -41,7 +48,7 @@ class Pad:
     def show(self, sketch: Sketch, ghost: Sketch | None = None) -> None:
         """Show a sketch and, faintly under it, another one."""
         self._sketch, self._ghost = sketch, ghost
-        self.widget.invitation = "" if len(sketch) or ghost is not None else INVITATION
+        self.widget.invitation = "" if len(sketch) or ghost is not None else self.invitation
         self._draw()
 
     def _resize(self, _: object) -> None:

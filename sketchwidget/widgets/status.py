@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 
 from ipywidgets import HBox, Label
 
@@ -14,7 +15,7 @@ SHOWN_TIMINGS = ("inference", "deformation", "total")
 
 
 class Status(HBox):
-    """The line at the bottom of the Studio; errors are a sentence here and nowhere else."""
+    """The line at the bottom; errors are a sentence here and nowhere else."""
 
     def __init__(self) -> None:
         self._message = Label()
@@ -38,6 +39,15 @@ class Status(HBox):
         """Say what went wrong."""
         self._message.add_class("sketchwidget-error")
         self._message.value = sentence
+
+    @contextmanager
+    def reporting(self, failing: str) -> Iterator[None]:
+        """Turn an exception into a sentence: what failed, and why."""
+        try:
+            yield
+        except Exception as error:
+            self.log.debug("%s", failing, exc_info=True)
+            self.fail(f"{failing}: {sentence(error)}")
 
     def show_figures(self, mode: str, timings: Mapping[str, float]) -> None:
         """Show the mode and how long its steps took, in milliseconds."""

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from contextlib import contextmanager, suppress
+from contextlib import suppress
 from threading import Thread
 from typing import Any
 
@@ -18,7 +17,7 @@ from .download import Downloads
 from .head_view import HeadView
 from .keyboard import Keyboard
 from .pad import Pad
-from .status import Status, expected_next, sentence
+from .status import Status, expected_next
 
 TOOLS = ("pen", "eraser")
 VIEWS = ("front", "left", "right", "three-quarter")
@@ -115,7 +114,7 @@ class Studio(VBox):
         state = (session.sketch, self._face, session.frame, session.timings)
         if any(new is not old for new, old in zip(state, self._shown, strict=True)):
             self._shown = state
-            with self._reporting("The Studio could not show the change"):
+            with self._status.reporting("The Studio could not show the change"):
                 self._show_all()
 
     def _show_all(self) -> None:
@@ -129,21 +128,12 @@ class Studio(VBox):
         self._status.show_figures(session.mode, session.timings)
 
     def _show_drawing(self) -> None:
-        ghost = self._face.sketch(view=self.session.frame) if self._ghost.value else None
+        ghost = self._face.sketch(wrinkles=False, view=self.session.frame) if self._ghost.value else None
         self._pad.show(self.session.sketch, ghost)
 
     @property
     def _face(self) -> Face:
         return self.session.face if self.session.trait_has_value("face") else self._resting_face
-
-    @contextmanager
-    def _reporting(self, failing: str) -> Iterator[None]:
-        """Turn an exception into a sentence in the status line: what failed, and why."""
-        try:
-            yield
-        except Exception as error:
-            self.log.debug("%s", failing, exc_info=True)
-            self._status.fail(f"{failing}: {sentence(error)}")
 
     def _wake(self) -> None:
         """Load the network while the user looks at the page: the first stroke would wait some seconds for it."""
@@ -155,7 +145,7 @@ class Studio(VBox):
     def _on_stroke(self, points: np.ndarray, tool: str, mirror: bool) -> None:
         if self._waking.is_alive():
             self._status.say("The network is waking up; the head follows in a moment.")
-        with self._reporting("The head could not follow this stroke, the drawing is kept"):
+        with self._status.reporting("The head could not follow this stroke, the drawing is kept"):
             if tool == "eraser":
                 erased = self.session.erase(points[:, :2], radius=self._pad.widget.radius)
                 happened = "Erased." if erased else "Nothing to erase there."
@@ -165,7 +155,7 @@ class Studio(VBox):
             self._status.say(happened, expected_next(self.session.sketch))
 
     def _on_undo(self) -> None:
-        with self._reporting("Nothing could be undone"):
+        with self._status.reporting("Nothing could be undone"):
             if self._just_loaded and self._loaded is not None:
                 self.session = self._loaded[0]
                 self._status.say("The drawing from before the loading is back.")
@@ -174,22 +164,22 @@ class Studio(VBox):
                 self._status.say(happened, expected_next(self.session.sketch))
 
     def _on_redo(self) -> None:
-        with self._reporting("Nothing could be redone"):
+        with self._status.reporting("Nothing could be redone"):
             happened = "Redone." if self.session.redo() else "Nothing to redo."
             self._status.say(happened, expected_next(self.session.sketch))
 
     def _on_clear(self) -> None:
-        with self._reporting("The drawing could not be cleared"):
+        with self._status.reporting("The drawing could not be cleared"):
             self.session.clear()
             self._status.say("Cleared; undo brings the drawing back.", expected_next(self.session.sketch))
 
     def _on_export(self, suffix: str) -> None:
-        with self._reporting("The head could not be exported"):
+        with self._status.reporting("The head could not be exported"):
             self._downloads.save(f"head.{suffix}", self._face.to_bytes(suffix), EXPORTS[suffix])
             self._status.say(f"The head is exported as head.{suffix}.")
 
     def _on_save(self) -> None:
-        with self._reporting("The session could not be saved"):
+        with self._status.reporting("The session could not be saved"):
             self._downloads.save(SESSION_NAME, self.session.dumps().encode(), SESSION_TYPE)
             self._status.say(f"The session is saved as {SESSION_NAME}; load it to go on from here.")
 
@@ -198,7 +188,7 @@ class Studio(VBox):
             return
         file = change["new"][0]
         change["owner"].value = ()  # so that the same file can be picked again
-        with self._reporting(f"{file.name} was not loaded, the drawing is kept"):
+        with self._status.reporting(f"{file.name} was not loaded, the drawing is kept"):
             loaded = Session.loads(bytes(file.content).decode(), regressor=self.session.regressor)
             self._loaded = (self.session, loaded, len(loaded.events))
             self.session = loaded

@@ -167,3 +167,23 @@ def test_weights_of_a_mesh_of_the_model_come_back(model):
 def test_a_rank_above_its_mode_is_refused():
     with pytest.raises(ValueError, match="no rank"):
         decompose(np.zeros((4, 3, 6), dtype=np.float32), (5, 2), 3)
+
+
+def test_fitting_a_face_of_the_model_gives_its_vertices_back(model):
+    face = model.face(model.bilinear.identities[11], "laugh")
+    identity, expression = model.fit(face.vertices)
+    error = np.linalg.norm(model.face(identity, expression).vertices - face.vertices, axis=1)
+    assert error.mean() < 0.02  # mm
+
+
+def test_the_fit_is_nearer_than_any_expression_of_the_mean_identity(model):
+    random = np.random.default_rng(0)
+    mesh = model.face(model.bilinear.identities[5], "cry").vertices + random.normal(0, 1, model.mean.shape)
+    fitted = np.linalg.norm(model.face(*model.fit(mesh)).vertices - mesh)
+    assert fitted < min(np.linalg.norm(model.face(expression=name).vertices - mesh) for name in model.expressions)
+
+
+def test_only_meshes_of_the_topology_are_fitted(model):
+    for bad in (model.mean[:10], model.mean * np.nan):
+        with pytest.raises(ValueError, match="a mesh of this model has finite vertices"):
+            model.fit(bad)

@@ -1,0 +1,56 @@
+"""A drawing as the networks see it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..sketch import rasterise
+from .framing import Frame
+from .naming import whereabouts
+from .outline import Outline, find_outline
+
+
+@dataclass(frozen=True)
+class Normalised:
+    """A drawing at its normal place and size; hair, a neck and whatever else lies outside the head are left out.
+
+    Parameters
+    ----------
+    outline : Outline or None
+        Of the head, on the canvas.
+    places : list of str
+        Whereabouts of each stroke; all "inside" where there is no outline.
+    face : (256, 256) bool array
+        The ink inside the outline and the outline itself.
+    ears : (256, 256) bool array
+        The ears beside it.
+    """
+
+    outline: Outline | None
+    places: list[str]
+    face: np.ndarray
+    ears: np.ndarray
+
+
+def normalise(strokes: Sequence[np.ndarray]) -> Normalised:
+    """Place and size of a drawing are taken from its outline; while there is none, the canvas is the frame.
+
+    Parameters
+    ----------
+    strokes : sequence of (n, 2) arrays
+        Canvas points.
+    """
+    outline = find_outline(strokes)
+    if outline is None:
+        frame, places = Frame(), ["inside"] * len(strokes)
+    else:
+        frame, places = Frame.of_outline(outline.points), whereabouts(strokes, outline)
+    framed = [frame(stroke) for stroke in strokes]
+    face, ears = (
+        rasterise([stroke for stroke, place in zip(framed, places, strict=True) if place == wanted])
+        for wanted in ("inside", "ear")
+    )
+    return Normalised(outline, places, face, ears)

@@ -1,0 +1,123 @@
+"""A drawing while it is made: strokes with pressure and time, of which every edit can be undone."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from ..database.drawings import MAX_MILLISECONDS, as_pen_stroke, as_sketch
+from ..sketch import Sketch, erase
+
+Strokes = tuple[np.ndarray, ...]
+
+
+class Draft:
+    """Strokes (n, 4) of x, y, pressure and milliseconds since the stroke began.
+
+    Erasing leaves of a stroke what `sketch.erase` does. What is left keeps the pressure and the time that it was drawn
+    with, so that the times of a fragment begin where it was cut off; at the cuts both are interpolated.
+    """
+
+    def __init__(self) -> None:
+        self._states: list[Strokes] = [()]
+        self._present = 0
+
+    @property
+    def strokes(self) -> Strokes:
+        """The strokes that are there now, in the order they were drawn."""
+        return self._states[self._present]
+
+    @property
+    def sketch(self) -> Sketch:
+        """The strokes without pressure and time."""
+        return as_sketch(self.strokes)
+
+    @property
+    def can_undo(self) -> bool:
+        """Whether an edit can be taken back."""
+        return self._present > 0
+
+    @property
+    def can_redo(self) -> bool:
+        """Whether an edit was taken back, and nothing done since."""
+        return self._present + 1 < len(self._states)
+
+    def draw(self, points: Any) -> None:
+        """Draw a stroke (n, 4), as `Ink.on_stroke` gives it.
+
+        Raises
+        ------
+        ValueError
+            If it is no stroke, as `as_pen_stroke` has them.
+        """
+        points = np.array(points, dtype=np.float64)
+        # Time does not run backwards, nor is pressure beyond its bounds, whatever a tablet says.
+        points[:, 2] = points[:, 2].clip(0, 1)
+        points[:, 3] = np.maximum.accumulate(points[:, 3].clip(0, MAX_MILLISECONDS))
+        self._set((*self.strokes, as_pen_stroke(points)))
+
+    def erase(self, path: Any, radius: float) -> bool:
+        """Erase the ink under an eraser that went along a path (n, 2); False if there was none.
+
+        Raises
+        ------
+        ValueError
+            As `sketch.erase` does.
+        """
+        left = [_without(stroke, path, radius) for stroke in self.strokes]
+        strokes = tuple(part for parts in left for part in parts)
+        changed = [*map(id, strokes)] != [*map(id, self.strokes)]
+        if changed:
+            self._set(strokes)
+        return changed
+
+    def clear(self) -> bool:
+        """Remove all ink; False if there was none."""
+        if self.strokes:
+            self._set(())
+            return True
+        return False
+
+    def undo(self) -> bool:
+        """Take the last edit back; False if there was none."""
+        self._present -= (possible := self.can_undo)
+        return possible
+
+    def redo(self) -> bool:
+        """Do the edit last taken back again; False if there was none, or something was done since."""
+        self._present += (possible := self.can_redo)
+        return possible
+
+    def _set(self, strokes: Strokes) -> None:
+        self._present += 1
+        self._states[self._present :] = [strokes]
+
+
+def _without(stroke: np.ndarray, path: Any, radius: float) -> list[np.ndarray]:
+    """What an eraser leaves of a stroke: the same object if it is not under it."""
+    whole = as_sketch([stroke])
+    left = erase(whole, path, radius)
+    return [stroke] if left is whole else [_part(stroke, segment.points) for segment in left.segments]
+
+
+def _part(stroke: np.ndarray, points: np.ndarray) -> np.ndarray:
+    """Points (m, 2) that were cut out of a stroke (n, 4), with pressure and time: all but their ends are its own."""
+    begins, steps = stroke[:-1].astype(np.float64), np.diff(stroke.astype(np.float64), axis=0)
+    first, first_off = _on_edges(points[0], begins, steps)
+    last, last_off = _on_edges(points[-1], begins, steps)
+    apart = len(points) - 2  # edges from that of the first point to that of the last
+    edge = int(np.argmin(first_off[: len(steps) - apart] + last_off[apart:]))
+    rows = stroke[edge : edge + len(points)].astype(np.float64)
+    rows[0] = begins[edge] + first[edge] * steps[edge]
+    rows[-1] = begins[edge + apart] + last[edge + apart] * steps[edge + apart]
+    rows[:, :2] = points
+    return as_pen_stroke(rows)
+
+
+def _on_edges(point: np.ndarray, begins: np.ndarray, steps: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """How far along each edge (n, 4), from 0 to 1, it is nearest to a point (2,), and how far from it then."""
+    offset, along = point - begins[:, :2], steps[:, :2]
+    squared = (along**2).sum(axis=1)
+    share = np.divide((offset * along).sum(axis=1), squared, out=np.zeros(len(begins)), where=squared > 0).clip(0, 1)
+    return share, np.hypot(*(offset - share[:, None] * along).T)

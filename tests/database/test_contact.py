@@ -1,0 +1,64 @@
+"""Lips and lids that are where they belong."""
+
+import numpy as np
+import pytest
+
+from sketchwidget.database.anny import AnnySource
+from sketchwidget.database.contact import Contact
+from sketchwidget.face import PARTS
+
+
+@pytest.fixture(scope="module")
+def source():
+    return AnnySource()
+
+
+@pytest.fixture(scope="module")
+def posed(source):
+    return dict(zip(source.expressions, source.heads(5), strict=True))
+
+
+@pytest.fixture(scope="module")
+def contact(source, posed):
+    return Contact(source.template, posed["neutral"])
+
+
+@pytest.mark.parametrize("expression", ["smile", "big_pout", "eyes_closed", "wink"])
+def test_mended_heads_pass_the_test_that_they_failed(contact, posed, expression):
+    assert max(contact.crossing(posed[expression]).values()) > 0
+    assert contact.crossing(contact.mended(posed[expression])) == {"lips": 0, "lids": 0}
+
+
+def test_mending_twice_is_mending_once(contact, posed):
+    once = contact.mended(posed["smile"])
+    np.testing.assert_allclose(contact.mended(once), once, atol=0.05)
+
+
+def test_an_open_mouth_stays_as_it_is(source, contact, posed):
+    head = posed["mouth_open"]
+    change = np.abs(contact.mended(head) - head).max(axis=1)
+    mouth = (head[:, 1] < -30) & (source.template.parts <= PARTS.index("mouth"))
+    assert change[mouth].max() < 1e-4
+
+
+def test_only_what_lies_about_mouth_and_eyes_moves(source, contact, posed):
+    head = posed["smile"]
+    change = np.linalg.norm(contact.mended(head) - head, axis=1)
+    assert change.max() < 6  # mm
+    fine = source.template.subdivision @ head
+    curves = source.template.curves
+    near = np.concatenate([fine[path] for name, path in curves.items() if "eye" in name or "mouth" in name])
+    distance = np.linalg.norm(head[:, None] - near[None], axis=2).min(axis=1)
+    assert change[distance > 25].max() < 1e-4
+    assert change[source.template.parts > PARTS.index("mouth")].max() < 1e-4
+
+
+def test_lips_part_by_no_more_than_they_crossed(contact, posed):
+    """Half of the overlap each: the mouth is shut still."""
+    mended = contact.mended(posed["smile"])
+    fine = contact._template.subdivision @ mended
+    upper = fine[contact._template.curves["mouth_upper"]]
+    lower = fine[contact._template.curves["mouth_lower"]]
+    middle = np.abs(upper[:, 0] - upper[:, 0].mean()) < 10
+    gap = upper[middle, 1].min() - lower[np.abs(lower[:, 0] - lower[:, 0].mean()) < 10, 1].max()
+    assert -3 < gap < 3

@@ -1,0 +1,178 @@
+"""Building a database of faces, going on with one, and reading it."""
+
+import dask.distributed
+import joblib
+import numpy as np
+import pytest
+
+from sketchwidget.database import build as building
+from sketchwidget.database.anny import AnnySource
+from sketchwidget.database.build import MODEL, build, prepare
+from sketchwidget.database.contact import Contact
+from sketchwidget.database.database import FaceDatabase
+from sketchwidget.face.exaggeration import LEVELS
+from sketchwidget.sketch import FEATURES, SILHOUETTE, WRINKLE
+
+KEPT = ("neutral", "smile", "laugh")
+
+
+class ThreeExpressions(AnnySource):
+    def poses(self):
+        return {name: pose for name, pose in super().poses().items() if name in KEPT}
+
+
+@pytest.fixture(scope="module")
+def source():
+    return ThreeExpressions()
+
+
+@pytest.fixture(scope="module")
+def folder(source, tmp_path_factory):
+    out = tmp_path_factory.mktemp("built") / "faces"
+    build(source, out, identities=3, interpolated=5)
+    return out
+
+
+@pytest.fixture(scope="module")
+def database(folder):
+    return FaceDatabase.open(folder)
+
+
+def test_every_identity_is_there_at_every_level_in_every_expression(database):
+    assert len(database) == 3 * LEVELS * 3
+    found = {(face.identity, face.level, face.expression) for face in database}
+    assert found == {(i, level, name) for i in range(3) for level in (1, 2, 3, 4) for name in KEPT}
+    assert all(database.index(face.identity, face.expression, face.level) == n for n, face in enumerate(database))
+
+
+def test_the_first_level_is_the_source_s_face_mended(database, source):
+    maker = prepare(source, 3)
+    posed = maker.scale * (source.heads(2)[1] - maker.origin)
+    expected = source.template.subdivision @ Contact(source.template, maker.typical).mended(posed)
+    np.testing.assert_allclose(database[database.index(2, "smile", 1)].vertices, expected, atol=1e-3)
+
+
+def test_the_mean_of_the_identities_is_200_mm_high(database):
+    faces = [database[database.index(i, "neutral")].vertices for i in range(3)]
+    mean = np.mean(faces, axis=0)
+    menton = mean[database.model.landmarks[8], 1]
+    assert mean[:, 1].max() - menton == pytest.approx(200, abs=0.1)
+
+
+def test_weights_give_the_face_back(database):
+    for number in (0, 17, 35):
+        face = database[number]
+        error = np.linalg.norm(database.model.face(*face.weights).vertices - face.vertices, axis=1)
+        assert (
+            error.mean() < 0.3
+        )  # mm; 12 people and 3 expressions are within the rank, and half precision is not exact
+
+
+def test_a_face_is_drawn_with_all_its_lines(database):
+    sketch = database[database.index(1, "laugh", 4)].sketch
+    assert {SILHOUETTE, *FEATURES, WRINKLE} == set(sketch.lines)
+    assert all(np.isfinite(segment.points).all() for segment in sketch.segments)
+
+
+def test_no_lips_cross_and_no_lids_enter_the_eyeballs(database):
+    assert database.crossing == {"lips": 0.0, "lids": 0.0}
+
+
+def test_splits_part_all_faces_and_the_identity_split_whole_people(database):
+    for kind in ("random", "identity"):
+        train, test = database.split(kind)
+        assert sorted([*train, *test]) == list(range(len(database))) and len(test)
+        np.testing.assert_array_equal(database.split(kind)[1], test)
+    people = {database[int(number)].identity for number in test}
+    assert people.isdisjoint({database[int(number)].identity for number in train})
+    with pytest.raises(ValueError, match="'random' or 'identity'; given 'odd'"):
+        database.split("odd")
+
+
+def test_interpolated_faces_lie_between_two_of_the_database(database):
+    assert len(database.interpolated) == 5
+    one, again = database.interpolated[3], database.interpolated[-2]
+    np.testing.assert_array_equal(one.vertices, again.vertices)
+    rows = database.model.bilinear.identities
+    spans = [abs(np.linalg.det([(one.identity - a)[:2], (b - a)[:2]])) for a in rows for b in rows if (a != b).any()]
+    assert min(spans) < 1e-5
+    with pytest.raises(IndexError, match="no number 5"):
+        database.interpolated[5]
+
+
+def test_a_face_that_is_not_there_is_an_error(database):
+    with pytest.raises(IndexError, match="no face 36"):
+        database[36]
+    with pytest.raises(ValueError, match="an identity from 0 to 2, a level from 1 to 4"):
+        database.index(1, "smile", 5)
+
+
+def test_a_build_that_was_stopped_goes_on_and_gives_the_same_faces(source, database, tmp_path, monkeypatch):
+    make = building._make
+
+    def stopped(maker, numbers):
+        if 2 in numbers:
+            raise KeyboardInterrupt
+        return make(maker, numbers)
+
+    monkeypatch.setattr(building, "_TOGETHER", 1)
+    monkeypatch.setattr(building, "_make", stopped)
+    with pytest.raises(KeyboardInterrupt):
+        build(source, tmp_path / "faces", identities=3, interpolated=5)
+    with pytest.raises(ValueError, match="is unfinished: the command that began it goes on"):
+        FaceDatabase.open(tmp_path / "faces")
+    made = []
+    monkeypatch.setattr(building, "_make", lambda maker, numbers: made.extend(numbers) or make(maker, numbers))
+    build(source, tmp_path / "faces", identities=3, interpolated=5)
+    assert made == [2]
+    assert FaceDatabase.open(tmp_path / "faces").sum == database.sum
+
+
+def test_damaged_files_are_named_and_mended(source, database, tmp_path):
+    out = tmp_path / "faces"
+    build(source, out, identities=3, interpolated=5)
+    chunk = next(path for path in sorted((out / "vertices").rglob("*")) if path.is_file() and path.name != "zarr.json")
+    chunk.write_bytes(b"no codec knows this")
+    with pytest.raises(OSError, match="vertices: identity 0 cannot be read; the command that built"):
+        _ = FaceDatabase.open(out)[0].vertices
+    build(source, out, identities=3, interpolated=5)
+    mended = FaceDatabase.open(out)
+    assert mended.sum == database.sum
+    np.testing.assert_array_equal(mended[0].vertices, database[0].vertices)
+
+
+def test_what_is_no_database_is_refused(source, folder, tmp_path):
+    with pytest.raises(FileNotFoundError, match="holds no face database: `sketchwidget database --out"):
+        FaceDatabase.open(tmp_path / "nowhere")
+    (tmp_path / "letters").mkdir()
+    (tmp_path / "letters" / "dear.txt").write_text("reader")
+    with pytest.raises(FileNotFoundError, match="holds no face database"):
+        build(source, tmp_path / "letters", identities=1, interpolated=0)
+    assert (tmp_path / "letters" / "dear.txt").read_text() == "reader"
+    with pytest.raises(ValueError, match="holds another database"):
+        build(source, folder, identities=4, interpolated=5)
+    description = tmp_path / "cut"
+    description.mkdir()
+    (description / "zarr.json").write_text((folder / "zarr.json").read_text()[:100])
+    with pytest.raises(ValueError, match=r"zarr\.json is damaged"):
+        FaceDatabase.open(description)
+
+
+def test_a_source_with_too_few_identities_is_an_error(source, tmp_path, monkeypatch):
+    monkeypatch.setattr(ThreeExpressions, "count", 2)
+    with pytest.raises(ValueError, match="has 2 identities; 3 were asked for"):
+        build(source, tmp_path / "faces", identities=3, interpolated=0)
+    assert not (tmp_path / "faces").exists()
+
+
+def test_a_dask_cluster_builds_the_same_faces(source, database, tmp_path):
+    with (
+        dask.distributed.LocalCluster(
+            n_workers=2, threads_per_worker=1, processes=False, dashboard_address=None
+        ) as two,
+        dask.distributed.Client(two),
+        joblib.parallel_config(backend="dask"),
+    ):
+        build(source, tmp_path / "faces", identities=3, interpolated=5, jobs=None)
+    assert FaceDatabase.open(tmp_path / "faces").sum == database.sum
+    assert (tmp_path / "faces" / MODEL).exists()
