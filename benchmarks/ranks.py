@@ -14,11 +14,11 @@ from tqdm import tqdm
 
 import sketchwidget as sw
 from sketchwidget.database.anny import AnnySource
-from sketchwidget.database.build import COMPONENTS, LEVELS, prepare
+from sketchwidget.database.build import LEVELS, prepare
 from sketchwidget.database.store import Store
 from sketchwidget.face import PARTS
 from sketchwidget.face.bilinear import Bilinear, fit
-from sketchwidget.face.decomposition import decompose
+from sketchwidget.face.decomposition import COMPONENTS, decompose
 from sketchwidget.training.tables import machine
 
 RANKS = ((10, 16), (25, 16), (50, 16), (75, 16), (100, 16), (50, 8), (50, 12), (50, 25))

@@ -12,7 +12,7 @@ import numpy as np
 from joblib import Parallel, delayed
 from tqdm import tqdm
 
-from ..face.decomposition import decompose
+from ..face.decomposition import COMPONENTS, RANK, decompose
 from ..face.drawing import draw
 from ..face.exaggeration import LEVELS, Exaggeration
 from ..face.model import FaceModel
@@ -24,8 +24,6 @@ from .posing import to_millimetres
 from .source import FaceSource
 from .store import WRINKLE_POINTS, WRINKLES, Heads, Plan, Store
 
-RANK = (50, 16)  # paper 4.2
-COMPONENTS = 200  # of the vertex mode: half precision and this cut cost 0.04 mm
 MODEL = "face.safetensors"
 
 _TOGETHER = 3  # identities that a process makes in one go; each go reads the source anew

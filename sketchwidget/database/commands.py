@@ -7,9 +7,12 @@ import sys
 import warnings
 from enum import StrEnum
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
+
+if TYPE_CHECKING:
+    from .source import FaceSource
 
 drawings = typer.Typer(help="Drawings of known heads, as people made them.", no_args_is_help=True)
 
@@ -71,14 +74,21 @@ def database(
     chosen = PRESETS[preset]
     made = provenance(shlex.join(["sketchwidget", *sys.argv[1:]]), ("numpy", "scipy", "libigl", "tensorly"))
     count = chosen.identities if identities is None else identities
-    build(_source(source, path), out, count, chosen.interpolated, jobs, made)
+    build(open_source(source, path), out, count, chosen.interpolated, jobs, made)
     faces = FaceDatabase.open(out)
     crossing = ", ".join(f"{name} {100 * share:.2f} %" for name, share in faces.crossing.items())
     typer.echo(f"{out}: {len(faces):,} faces and {len(faces.interpolated):,} between them; sum {faces.sum}")
     typer.echo(f"Faces in which parts cut each other: {crossing}")
 
 
-def _source(name: SourceName, path: Path | None):
+def open_source(name: SourceName, path: Path | None) -> FaceSource:
+    """A source of faces by its name.
+
+    Raises
+    ------
+    ValueError
+        If it reads a folder and none is given.
+    """
     if name is SourceName.ANNY:
         from .anny import AnnySource
 

@@ -78,7 +78,7 @@ class Examples(IterableDataset):
     ) -> None:
         self.table, self.variety, self.batch, self.seed, self.start = table, variety, batch, seed, start
         self._neutral = expressions.index("neutral")
-        self._quiet = [expressions.index(name) for name in _QUIET_MOUTHS]
+        self._quiet = [expressions.index(name) for name in _QUIET_MOUTHS if name in expressions]
         self._frequency = np.array([_RARE.get(name, 1.0) for name in expressions])
         self._poses = poses.astype(np.float32)
         self._left_out = np.zeros(table.codes.shape[:2], dtype=bool) if left_out is None else left_out
@@ -113,7 +113,7 @@ class Examples(IterableDataset):
         """Line points (p, 3), code and expression weights of a face: one of the table, or a mixture of some."""
         identity, expression = self._pick(random)
         if quiet:
-            expression = self._quiet[int(random.random() < 0.15)]
+            expression = self._quiet[-int(random.random() < 0.15)]
         points, rest, code, pose = self._stored(identity, expression)
         if not quiet and random.random() < 0.35:  # a weaker expression, or one between two
             other = self._neutral if random.random() < 0.6 else self._pick(random)[1]

@@ -10,12 +10,10 @@ from tqdm import tqdm
 
 from ..database.posing import to_millimetres
 from ..database.source import FaceSource
-from ..face.decomposition import decompose
+from ..face.decomposition import COMPONENTS, RANK, decompose
 from ..face.model import FaceModel
 
-RANK = (50, 16)  # paper 4.2
 _CHUNK = 50  # identities that a process poses in one go; each go sends it the source anew
-COMPONENTS = 200  # of the vertex mode: half precision and this cut cost 0.04 mm
 
 
 def pose_heads(source: FaceSource, numbers: range, path: Path, jobs: int = 1) -> np.ndarray:

