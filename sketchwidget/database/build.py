@@ -120,12 +120,15 @@ def build(
         If a file cannot be read or written; what is already built stays good.
     """
     if source.count is not None and identities > source.count:
-        raise ValueError(f"the source {source.name} has {source.count} identities; {identities} were asked for")
+        raise ValueError(
+            f"the source {source.name} has {source.count} identities; {identities} were asked for: give --identities"
+        )
     plan = Plan(source.name, identities, source.expressions, source.template.coarse_count, interpolated=interpolated)
     store = Store.create(out, plan)
     if missing := store.missing():
-        (out / MODEL).unlink(missing_ok=True)
         maker = prepare(source, identities)
+        store.require_frame(maker.scale, maker.origin)
+        (out / MODEL).unlink(missing_ok=True)
         goes = [missing[start : start + _TOGETHER] for start in range(0, len(missing), _TOGETHER)]
         made: Any = Parallel(n_jobs=jobs, return_as="generator_unordered")(delayed(_make)(maker, go) for go in goes)
         with tqdm(total=identities, initial=identities - len(missing), desc="identities", unit="head") as bar:
@@ -133,7 +136,7 @@ def build(
                 for number, identity in heads:
                     store.write(number, identity)
                     bar.update()
-    if not (out / MODEL).exists():
+    if not _is_sound(out / MODEL):
         unfinished = out / f"{MODEL}.part"
         decomposed(store, source).save(unfinished, provenance or {})
         unfinished.rename(out / MODEL)
@@ -161,6 +164,14 @@ def decomposed(store: Store, source: FaceSource) -> FaceModel:
         tensor[number * LEVELS : (number + 1) * LEVELS] = heads.reshape(LEVELS, len(plan.expressions), -1)
     rank = (min(RANK[0], people), min(RANK[1], len(plan.expressions)))
     return FaceModel(source.template, decompose(tensor, rank, COMPONENTS), list(plan.expressions))
+
+
+def _is_sound(model: Path) -> bool:
+    try:
+        FaceModel.load(model)
+    except (FileNotFoundError, ValueError):
+        return False
+    return True
 
 
 def _make(maker: Maker, numbers: Iterable[int]) -> list[tuple[int, Heads]]:

@@ -92,6 +92,8 @@ def open_source(name: SourceName, path: Path | None) -> FaceSource:
     if name is SourceName.ANNY:
         from .anny import AnnySource
 
+        if path is not None:
+            raise ValueError(f"the source {name} reads no folder: leave --path out, or choose another --source")
         return AnnySource()
     if path is None:
         raise ValueError(f"the source {name} reads a folder: name it with --path")

@@ -61,9 +61,10 @@ class Contact:
             return np.minimum(distance, _FAR)
 
         self._lips = self._find_lips(along_surface("mouth_upper"), along_surface("mouth_lower"))
+        has_eyes = (template.parts == PARTS.index("eyes")).any()
         self._eyes = [
             self._find_eye(fine, side, along_surface(f"{side}_eye_upper", f"{side}_eye_lower"))
-            for side in ("left", "right")
+            for side in (("left", "right") if has_eyes else ())
         ]
 
     def _find_lips(self, from_upper: np.ndarray, from_lower: np.ndarray) -> _Lips:

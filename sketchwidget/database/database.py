@@ -93,7 +93,10 @@ class FaceDatabase(Sequence[DatabaseFace]):
         store = Store.open(folder)
         if not (folder / MODEL).exists():
             raise ValueError(f"{folder} is unfinished: the command that began it goes on where it was")
-        return cls(store, FaceModel.load(folder / MODEL))
+        try:
+            return cls(store, FaceModel.load(folder / MODEL))
+        except ValueError as error:
+            raise ValueError(f"{error}; the command that built the database mends it") from error
 
     @property
     def expressions(self) -> tuple[str, ...]:
@@ -189,7 +192,10 @@ class FaceDatabase(Sequence[DatabaseFace]):
     def _read(self, name: str, face: DatabaseFace) -> np.ndarray:
         try:
             array = self._store.array(name)
-            return np.asarray(array[face.identity, face.level - 1, self.expressions.index(face.expression)])
+            read = np.asarray(array[face.identity, face.level - 1, self.expressions.index(face.expression)])
+            if name == "vertices" and not np.isfinite(read).all():
+                raise ValueError("its file is missing")
+            return read
         except Exception as error:  # whatever a codec makes of damaged bytes
             raise OSError(
                 f"{self._store.path / name}: identity {face.identity} cannot be read;"

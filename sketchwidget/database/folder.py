@@ -129,7 +129,8 @@ class MeshFolderSource:
         curves = topology.get("curves")
         if not isinstance(curves, dict) or set(curves) != _CURVES:
             raise ValueError(f"{self._described}: 'curves' are {', '.join(sorted(_CURVES))}")
-        if not isinstance(topology.get("files", ""), str):
+        pattern = topology.get("files", "**/*.obj")
+        if not isinstance(pattern, str) or not pattern or Path(pattern).is_absolute():
             raise ValueError(f"{self._described}: 'files' is a pattern such as TrainingPose/pose_*.obj")
         return topology
 
@@ -158,7 +159,7 @@ class MeshFolderSource:
 
 def _natural(path: Path) -> list[str | int]:
     """Sorts pose_10 behind pose_9."""
-    return [int(piece) if piece.isdigit() else piece for piece in re.split(r"(\d+)", str(path))]
+    return [int(piece) if piece.isdecimal() else piece for piece in re.split(r"(\d+)", str(path))]
 
 
 def _parts(given: Any, count: int) -> np.ndarray:

@@ -54,7 +54,7 @@ def read_obj(path: Path) -> ObjMesh:
     try:
         vertices = np.loadtxt(rows, usecols=(1, 2, 3), ndmin=2)
         quads = np.array([face + face[-1:] if len(face) == 3 else face for face in faces], dtype=np.int32) - 1
-    except ValueError as error:
+    except (OverflowError, ValueError) as error:
         raise ValueError(
             f"{path} is no OBJ file that can be read: a vertex is three numbers and a face three or four whole ones"
             f" ({error})"

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import hashlib
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
-from warnings import catch_warnings, simplefilter
 
 import numpy as np
 import zarr
+from zarr.codecs import ZstdCodec
 from zarr.errors import GroupNotFoundError
 
 from ..face.exaggeration import LEVELS
@@ -19,6 +21,7 @@ VERSION = 1
 WRINKLES, WRINKLE_POINTS = 48, 12  # as many wrinkles as a face may have, and the points of each
 
 _SUM = hashlib.sha256().digest_size
+_ANEW = "remove {} and build it again"
 
 
 @dataclass(frozen=True)
@@ -92,29 +95,49 @@ class Store:
 
         Raises
         ------
+        FileExistsError
+            If there is a file of that name, or the folder holds something else.
         ValueError
-            If the folder holds something else, or a database of another plan.
+            If the folder holds a database that is damaged, or one of another plan.
         OSError
             If it cannot be written.
         """
         if path.exists() and (not path.is_dir() or any(path.iterdir())):
-            store = cls.open(path)
-            if store.plan != plan:
-                raise ValueError(f"{path} holds another database, of {store.plan}: choose another folder or remove it")
-            return store
-        group = zarr.open_group(path, mode="w")
+            try:
+                group, found = _open(path)
+            except FileNotFoundError as error:
+                raise FileExistsError(
+                    f"{path} is there and no face database: name a new folder, or remove it"
+                ) from error
+            if found != plan:
+                others = [
+                    f"{name} {was!r}, not {asdict(plan)[name]!r}"
+                    for name, was in asdict(found).items()
+                    if was != asdict(plan)[name]
+                ]
+                raise ValueError(
+                    f"{path} holds another database, of {'; '.join(others)}: name another folder or remove it"
+                )
+        else:
+            with _writing(path):
+                about = {"format": FORMAT, "version": VERSION, "plan": asdict(plan)}
+                group = zarr.open_group(path, mode="w", attributes=about)
         shape = (plan.identities, LEVELS, len(plan.expressions))
         whole = (1, 1, len(plan.expressions))
         lines = (WRINKLES, WRINKLE_POINTS, 2)
-        for name, cell, kind in (
-            ("vertices", (plan.vertices, 3), "float32"),
-            ("wrinkles", lines, "float32"),
-            ("crossing", (2,), "int16"),
+        for name, size, chunk, kind, missing in (
+            ("vertices", (*shape, plan.vertices, 3), (*whole, plan.vertices, 3), "float32", np.nan),
+            ("wrinkles", shape + lines, whole + lines, "float32", np.nan),
+            ("crossing", (*shape, 2), (*whole, 2), "int16", 0),
+            ("sums", (plan.identities, _SUM), (1, _SUM), "uint8", 0),
         ):
-            group.create_array(name, shape=shape + cell, chunks=whole + cell, dtype=kind)
-        group.create_array("sums", shape=(plan.identities, _SUM), chunks=(1, _SUM), dtype="uint8")
-        group.attrs.update({"format": FORMAT, "version": VERSION, "plan": asdict(plan)})
-        return cls(path, group, plan)
+            if not (path / name / "zarr.json").exists():  # nor are all there if a first build was killed at once
+                packed = ZstdCodec(checksum=True)  # without it, a flipped bit is just another face
+                with _writing(path):
+                    group.create_array(
+                        name, shape=size, chunks=chunk, dtype=kind, fill_value=missing, compressors=packed
+                    )
+        return cls.open(path)
 
     @classmethod
     def open(cls, path: Path) -> Store:
@@ -127,29 +150,39 @@ class Store:
         ValueError
             If it is of another version, or damaged.
         """
-        try:
-            group = zarr.open_group(path, mode="r+")
-        except (GroupNotFoundError, FileNotFoundError, NotADirectoryError) as error:
-            raise FileNotFoundError(
-                f"{path} holds no face database: `sketchwidget database --out {path}` builds one"
-            ) from error
-        except (KeyError, TypeError, ValueError) as error:
-            raise ValueError(f"{path / 'zarr.json'} is damaged: remove {path} and build it again") from error
-        about: dict[str, Any] = dict(group.attrs)
-        if about.get("format") != FORMAT:
-            raise ValueError(f"{path} is no face database: its format is {about.get('format')!r}")
-        if about.get("version") != VERSION:
-            raise ValueError(
-                f"{path} has version {about.get('version')!r} of the format, and this sketchwidget reads {VERSION}"
-            )
-        try:
-            plan = Plan(**about["plan"] | {"expressions": tuple(about["plan"]["expressions"])})
-            missing = {"vertices", "wrinkles", "crossing", "sums"} - _array_names(group)
-        except (KeyError, TypeError, ValueError) as error:
-            raise ValueError(f"{path / 'zarr.json'} is damaged: remove {path} and build it again") from error
-        if missing:
-            raise ValueError(f"{path} lacks {', '.join(sorted(missing))}: remove it and build it again")
+        group, plan = _open(path)
+        for name in ("vertices", "wrinkles", "crossing", "sums"):
+            if not (path / name / "zarr.json").exists():
+                raise ValueError(f"{path} lacks {name}: the command that began it goes on where it was")
+            try:
+                array = group[name]
+                sound = isinstance(array, zarr.Array) and array.shape[0] == plan.identities
+            except Exception as error:  # whatever zarr makes of a damaged description
+                raise ValueError(f"{path / name / 'zarr.json'} is damaged: {_ANEW.format(path)}") from error
+            if not sound:
+                raise ValueError(f"{path / name} is of another number of identities: {_ANEW.format(path)}")
         return cls(path, group, plan)
+
+    def require_frame(self, scale: float, origin: np.ndarray) -> None:
+        """Keep where the source's heads stand, or see that they stand where they did when the database was begun.
+
+        Raises
+        ------
+        ValueError
+            If they do not: the source is another one, as a second folder of the same topology, or has changed.
+        OSError
+            If it cannot be written.
+        """
+        frame = [float(scale), *map(float, origin)]
+        kept = self._group.attrs.get("frame")
+        if kept is None:
+            with _writing(self.path):
+                self._group.attrs["frame"] = frame
+        elif not np.allclose(np.array(kept, dtype=np.float64), frame, rtol=1e-5, atol=1e-5):
+            raise ValueError(
+                f"{self.path} was begun with other heads than those that the source {self.plan.source} gives now:"
+                " name another folder or remove it"
+            )
 
     def array(self, name: str) -> zarr.Array:
         """One of "vertices", "wrinkles", "crossing" and "sums"."""
@@ -158,11 +191,18 @@ class Store:
         return array
 
     def write(self, number: int, heads: Heads) -> None:
-        """Keep an identity; its sum comes last, so that one half written does not count."""
-        self.array("vertices")[number] = heads.vertices
-        self.array("wrinkles")[number] = heads.wrinkles
-        self.array("crossing")[number] = heads.crossing
-        self.array("sums")[number] = heads.sum()
+        """Keep an identity; its sum comes last, so that one half written does not count.
+
+        Raises
+        ------
+        OSError
+            If it cannot be written.
+        """
+        with _writing(self.path):
+            self.array("vertices")[number] = heads.vertices
+            self.array("wrinkles")[number] = heads.wrinkles
+            self.array("crossing")[number] = heads.crossing
+            self.array("sums")[number] = heads.sum()
 
     def read(self, number: int) -> Heads:
         """An identity that was kept.
@@ -182,15 +222,13 @@ class Store:
 
     def missing(self) -> list[int]:
         """Identities that were not kept yet, or are damaged."""
-        sums = np.asarray(self.array("sums")[:])
-        return [number for number in range(self.plan.identities) if not self._is_whole(number, sums[number])]
+        return [number for number in range(self.plan.identities) if not self._is_whole(number)]
 
-    def _is_whole(self, number: int, kept: np.ndarray) -> bool:
-        if not kept.any():
-            return False
+    def _is_whole(self, number: int) -> bool:
         try:
-            return bool((self.read(number).sum() == kept).all())
-        except OSError:
+            kept = np.asarray(self.array("sums")[number])
+            return bool(kept.any()) and bool((self.read(number).sum() == kept).all())
+        except Exception:  # whatever a codec makes of damaged bytes
             return False
 
     def sum(self) -> str:
@@ -198,7 +236,35 @@ class Store:
         return hashlib.sha256(np.asarray(self.array("sums")[:]).tobytes()).hexdigest()
 
 
-def _array_names(group: zarr.Group) -> set[str]:
-    with catch_warnings():
-        simplefilter("ignore", UserWarning)  # zarr wonders at the model's file beside the arrays
-        return set(group.array_keys())
+def _open(path: Path) -> tuple[zarr.Group, Plan]:
+    """The group in a folder and its plan, whether or not all arrays are there; raises as `Store.open` does."""
+    try:
+        group = zarr.open_group(path, mode="r+")
+    except (GroupNotFoundError, FileNotFoundError, FileExistsError, NotADirectoryError) as error:
+        raise FileNotFoundError(
+            f"{path} holds no face database: `sketchwidget database --out {path}` builds one"
+        ) from error
+    except (KeyError, TypeError, ValueError) as error:
+        raise ValueError(f"{path / 'zarr.json'} is damaged: {_ANEW.format(path)}") from error
+    about: dict[str, Any] = dict(group.attrs)
+    if about.get("format") != FORMAT:
+        raise ValueError(f"{path} is no face database: its format is {about.get('format')!r}")
+    if about.get("version") != VERSION:
+        raise ValueError(
+            f"{path} has version {about.get('version')!r} of the format, and this sketchwidget reads {VERSION}"
+        )
+    try:
+        return group, Plan(**about["plan"] | {"expressions": tuple(about["plan"]["expressions"])})
+    except (KeyError, TypeError) as error:
+        raise ValueError(f"{path / 'zarr.json'} is damaged: {_ANEW.format(path)}") from error
+
+
+@contextmanager
+def _writing(path: Path) -> Iterator[None]:
+    """Say of what is not written where it should go, and that nothing is lost."""
+    try:
+        yield
+    except OSError as error:
+        raise OSError(
+            f"{path} cannot be written: {error.strerror or error}; what is built stays, and the same command goes on"
+        ) from error

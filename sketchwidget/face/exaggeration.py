@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import igl
 import numpy as np
+from scipy.sparse.csgraph import connected_components
 from scipy.spatial import KDTree
 
 from ..geometry.deformation_transfer import DeformationTransfer
@@ -50,6 +51,8 @@ class Exaggeration:
         self._rim = np.unique(igl.boundary_facets(self._faces)[0])
         self._held[self._rim] = True
         neighbours = igl.adjacency_matrix(self._faces).astype(np.float64)
+        piece = connected_components(neighbours, directed=False)[1]
+        self._held |= ~np.isin(piece, piece[self._held])  # nothing would keep a loose piece in its place
         self._average = neighbours.multiply(1 / np.maximum(neighbours.sum(axis=1), 1)).tocsr()
 
     def scales(self, rest: np.ndarray) -> np.ndarray:

@@ -20,7 +20,7 @@ from .bilinear import Bilinear, fit
 from .drawing import LIPS
 from .face import Face
 from .template import Template
-from .tensorfile import read
+from .tensorfile import read, writing
 from .wrinkles import Wrinkles
 
 FORMAT = "sketchwidget face model 1"
@@ -160,13 +160,23 @@ class FaceModel:
         refine = self.template.subdivision.astype(np.float64)
         return splu((refine.T @ refine).tocsc())
 
+    def __getstate__(self) -> dict[str, Any]:
+        """What processes send each other: all but the factorisation, which cannot be pickled."""
+        return {name: value for name, value in self.__dict__.items() if name != "_normal_equations"}
+
     def _expression(self, name: str) -> np.ndarray:
         if name not in self.expressions:
             raise ValueError(f"an expression is one of {', '.join(self.expressions)}; given {name!r}")
         return self.bilinear.expressions[self.expressions.index(name)]
 
     def save(self, path: str | os.PathLike[str], provenance: dict[str, str]) -> None:
-        """Write the model to a safetensors file, its basis in half precision, with where it came from in the header."""
+        """Write the model to a safetensors file, its basis in half precision, with where it came from in the header.
+
+        Raises
+        ------
+        OSError
+            If it cannot be written.
+        """
         template, model = self.template, self.bilinear
         tensors = {
             "quads": template.quads.astype(np.int32),
@@ -182,7 +192,8 @@ class FaceModel:
         header = {"format": FORMAT, "expressions": json.dumps(self.expressions), **provenance}
         if not template.refined:
             header["refined"] = "false"  # a header without the word is of a mesh that is refined
-        save_file({name: np.ascontiguousarray(tensor) for name, tensor in tensors.items()}, path, header)
+        with writing(Path(path)):
+            save_file({name: np.ascontiguousarray(tensor) for name, tensor in tensors.items()}, path, header)
 
     @classmethod
     def load(cls, path: str | os.PathLike[str] | None = None) -> FaceModel:

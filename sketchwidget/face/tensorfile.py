@@ -1,7 +1,9 @@
-"""Reading the files that models and networks are kept in: safetensors, bounded in size, with a format in the header."""
+"""Files of models and networks, read and written: safetensors, bounded in size, with a format in the header."""
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -42,3 +44,12 @@ def read(path: Path, kind: str, wanted: str, framework: str = "numpy") -> tuple[
             return header, {name: file.get_tensor(name) for name in file.keys()}  # noqa: SIM118  (no mapping)
     except SafetensorError as error:
         raise ValueError(f"{path} is no safetensors file that can be read: {error}") from error
+
+
+@contextmanager
+def writing(path: Path) -> Iterator[None]:
+    """Turn what safetensors raises when a file cannot be written, as on a full disk, into an OSError that names it."""
+    try:
+        yield
+    except SafetensorError as error:
+        raise OSError(f"{path} cannot be written: {error}") from error

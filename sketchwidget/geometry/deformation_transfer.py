@@ -54,8 +54,12 @@ class DeformationTransfer:
         self._held = np.asarray(held, dtype=bool)
         if self._held.shape != (len(self._rest),) or not self._held.any():
             raise ValueError("deformation transfer holds at least one vertex in place; held is (n,) bool")
-        gradient = igl.grad(self._rest, np.asarray(faces, dtype=np.int64))  # rows: x of all faces, then y, then z
-        area = np.tile(0.5 * np.asarray(igl.doublearea(self._rest, np.asarray(faces, dtype=np.int64))), 3)
+        faces = np.asarray(faces, dtype=np.int64)
+        area = 0.5 * np.asarray(igl.doublearea(self._rest, faces))
+        if not (area > 0).all():
+            raise ValueError(f"deformation transfer needs triangles with area; {int((~(area > 0)).sum())} have none")
+        gradient = igl.grad(self._rest, faces)  # rows: x of all faces, then y, then z
+        area = np.tile(area, 3)
         divergence = gradient.T.multiply(area[None, :]).tocsr()
         laplacian = (divergence @ gradient).tocsc()
         free = ~self._held

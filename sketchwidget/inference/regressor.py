@@ -11,10 +11,11 @@ from pathlib import Path
 import numpy as np
 import torch
 from safetensors.torch import save_file
+from threadpoolctl import ThreadpoolController
 
 from ..face import Face, FaceModel
 from ..face.drawing import outline as drawn_outline
-from ..face.tensorfile import read
+from ..face.tensorfile import read, writing
 from ..geometry.view import View
 from ..sketch import FEATURES, SILHOUETTE, UNNAMED, Sketch
 from .framing import place
@@ -69,6 +70,7 @@ class FaceRegressor:
         self._network = network.folded().bfloat16()
         self._network.to(memory_format=torch.channels_last)  # pyright: ignore[reportCallIssue]
         self._standard = standard
+        self._pools = ThreadpoolController()
         corners = model.template.subdivision[model.landmarks].toarray()  # (68, n)
         by_vertex = model.bilinear.basis.reshape(-1, 3, model.bilinear.basis.shape[1])
         self._landmarks = np.einsum("ln,nck->lck", corners, by_vertex).reshape(3 * len(corners), -1)
@@ -91,6 +93,11 @@ class FaceRegressor:
         """
         if not isinstance(sketch, Sketch):
             raise TypeError(f"a drawing is a Sketch, as Sketch.from_strokes makes; given {type(sketch).__name__}")
+        # NumPy's threads and torch's make each other wait, for tens of milliseconds; what NumPy does here is small.
+        with self._pools.limit(limits=1, user_api="blas"):
+            return self._infer(sketch)
+
+    def _infer(self, sketch: Sketch) -> Inference:
         began = time.perf_counter()
         seen = normalise([segment.points for segment in sketch.segments])
         drawn = time.perf_counter()
@@ -200,4 +207,5 @@ def save_network(
     }
     tensors |= {name: torch.from_numpy(standard[name]) for name in _STANDARD}
     header = {"format": FORMAT, "layout": layout.to_json(), "face_model": model.fingerprint, **provenance}
-    save_file({name: tensor.contiguous() for name, tensor in tensors.items()}, path, header)
+    with writing(Path(path)):
+        save_file({name: tensor.contiguous() for name, tensor in tensors.items()}, path, header)

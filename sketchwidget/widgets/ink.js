@@ -16,6 +16,8 @@
 const CANVAS_EVENTS = [
   "mousedown", "mousemove", "mouseup", "mouseout", "wheel", "touchstart", "touchmove", "touchend", "touchcancel", "keydown",
 ];
+// Browsers hold pointermove back until the next frame; the raw event comes at once, where there is one.
+const MOVED = "onpointerrawupdate" in window ? "pointerrawupdate" : "pointermove";
 const PEN_ERASER_BUTTON = 32; // PointerEvent.buttons of a stylus turned over
 
 const clamp = (value) => Math.min(1, Math.max(0, value));
@@ -157,7 +159,6 @@ async function render({ model, el }) {
   }
 
   function move(event) {
-    moveRing(event);
     if (event.pointerId !== stroke?.pointer) return;
     if (event.buttons === 0) up(event); // the release happened where no page could see it
     else add(event);
@@ -216,7 +217,8 @@ async function render({ model, el }) {
 
   for (const type of CANVAS_EVENTS) pad.addEventListener(type, (event) => event.target !== pad && event.stopPropagation(), { capture: true });
   pad.addEventListener("pointerdown", down);
-  pad.addEventListener("pointermove", move);
+  pad.addEventListener("pointermove", moveRing);
+  pad.addEventListener(MOVED, move);
   pad.addEventListener("pointerup", up);
   pad.addEventListener("lostpointercapture", up);
   pad.addEventListener("pointercancel", cancel);

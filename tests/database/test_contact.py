@@ -53,12 +53,12 @@ def test_only_what_lies_about_mouth_and_eyes_moves(source, contact, posed):
     assert change[source.template.parts > PARTS.index("mouth")].max() < 1e-4
 
 
-def test_lips_part_by_no_more_than_they_crossed(contact, posed):
+def test_lips_part_by_no_more_than_they_crossed(source, contact, posed):
     """Half of the overlap each: the mouth is shut still."""
     mended = contact.mended(posed["smile"])
-    fine = contact._template.subdivision @ mended
-    upper = fine[contact._template.curves["mouth_upper"]]
-    lower = fine[contact._template.curves["mouth_lower"]]
+    fine = source.template.subdivision @ mended
+    upper = fine[source.template.curves["mouth_upper"]]
+    lower = fine[source.template.curves["mouth_lower"]]
     middle = np.abs(upper[:, 0] - upper[:, 0].mean()) < 10
     gap = upper[middle, 1].min() - lower[np.abs(lower[:, 0] - lower[:, 0].mean()) < 10, 1].max()
     assert -3 < gap < 3

@@ -146,10 +146,10 @@ def test_what_is_no_database_is_refused(source, folder, tmp_path):
         FaceDatabase.open(tmp_path / "nowhere")
     (tmp_path / "letters").mkdir()
     (tmp_path / "letters" / "dear.txt").write_text("reader")
-    with pytest.raises(FileNotFoundError, match="holds no face database"):
+    with pytest.raises(FileExistsError, match="is there and no face database: name a new folder"):
         build(source, tmp_path / "letters", identities=1, interpolated=0)
     assert (tmp_path / "letters" / "dear.txt").read_text() == "reader"
-    with pytest.raises(ValueError, match="holds another database"):
+    with pytest.raises(ValueError, match="holds another database, of identities 3, not 4"):
         build(source, folder, identities=4, interpolated=5)
     description = tmp_path / "cut"
     description.mkdir()
