@@ -1,5 +1,7 @@
 """Building a database of faces, going on with one, and reading it."""
 
+import shutil
+
 import dask.distributed
 import joblib
 import numpy as np
@@ -10,6 +12,7 @@ from sketchwidget.database.anny import AnnySource
 from sketchwidget.database.build import MODEL, build, prepare
 from sketchwidget.database.contact import Contact
 from sketchwidget.database.database import FaceDatabase
+from sketchwidget.database.store import Heads, Plan, Store
 from sketchwidget.face.exaggeration import LEVELS
 from sketchwidget.sketch import FEATURES, SILHOUETTE, WRINKLE
 
@@ -176,3 +179,58 @@ def test_a_dask_cluster_builds_the_same_faces(source, database, tmp_path):
         build(source, tmp_path / "faces", identities=3, interpolated=5, jobs=None)
     assert FaceDatabase.open(tmp_path / "faces").sum == database.sum
     assert (tmp_path / "faces" / MODEL).exists()
+
+
+def chunk_of(folder, name):
+    """The first file of an array's chunks."""
+    return next(path for path in sorted((folder / name / "c").rglob("*")) if path.is_file())
+
+
+def test_a_build_killed_while_it_began_goes_on(source, database, tmp_path):
+    out = tmp_path / "faces"
+    build(source, out, identities=3, interpolated=5)
+    for name in ("sums", "crossing"):
+        shutil.rmtree(out / name)
+    build(source, out, identities=3, interpolated=5)
+    assert FaceDatabase.open(out).sum == database.sum
+
+
+@pytest.mark.parametrize("harm", ["flip", "delete"])
+def test_a_face_whose_bytes_changed_is_never_handed_out(folder, tmp_path, harm):
+    out = tmp_path / "faces"
+    shutil.copytree(folder, out)
+    chunk = chunk_of(out, "vertices")
+    content = bytearray(chunk.read_bytes())
+    content[len(content) // 2] ^= 4
+    chunk.write_bytes(content) if harm == "flip" else chunk.unlink()
+    with pytest.raises(OSError, match="identity 0 cannot be read"):
+        _ = FaceDatabase.open(out)[0].vertices
+
+
+def test_a_damaged_model_is_made_again(source, folder, database, tmp_path):
+    out = tmp_path / "faces"
+    shutil.copytree(folder, out)
+    (out / MODEL).write_bytes((out / MODEL).read_bytes()[:5000])
+    with pytest.raises(ValueError, match=MODEL):
+        FaceDatabase.open(out)
+    build(source, out, identities=3, interpolated=5)
+    np.testing.assert_array_equal(FaceDatabase.open(out).model.mean, database.model.mean)
+
+
+def test_a_build_goes_on_only_with_the_heads_it_was_begun_with(tmp_path):
+    store = Store.create(tmp_path / "faces", Plan("folder", 1, ("neutral",), 4))
+    store.require_frame(2.0, np.zeros(3))
+    store.require_frame(2.0, np.zeros(3))
+    with pytest.raises(ValueError, match="begun with other heads"):
+        store.require_frame(2.5, np.zeros(3))
+
+
+def test_a_full_disk_is_told_by_the_folder_s_name(tmp_path, monkeypatch):
+    store = Store.create(tmp_path / "faces", Plan("folder", 1, ("neutral",), 4))
+
+    def full(*_):
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(store, "array", full)
+    with pytest.raises(OSError, match="faces cannot be written: No space left on device; what is built stays"):
+        store.write(0, Heads(*(np.zeros((LEVELS, 1, 4, 3), dtype=np.float32),) * 3))

@@ -1,5 +1,7 @@
 """The shipped bilinear model."""
 
+import pickle
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -187,3 +189,9 @@ def test_only_meshes_of_the_topology_are_fitted(model):
     for bad in (model.mean[:10], model.mean * np.nan):
         with pytest.raises(ValueError, match="a mesh of this model has finite vertices"):
             model.fit(bad)
+
+
+def test_a_model_that_has_fitted_can_still_be_sent_to_a_process(model):
+    u, v = model.fit(model.mean)
+    again = pickle.loads(pickle.dumps(model))
+    np.testing.assert_array_equal(again.face(u, v).vertices, model.face(u, v).vertices)
