@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 
+from .names import UNNAMED
 from .polyline import arc_length
 from .sketch import Segment, Sketch
 from .stroke import as_stroke
@@ -51,11 +52,31 @@ def erase(sketch: Sketch, path: Any, radius: float) -> Sketch:
     fragments = {}
     for index, spans in _erased_spans(sketch, path, radius).items():
         name, points = sketch.segments[index].name, sketch.segments[index].points
-        parts = _without_spans(points, spans)
-        fragments[index] = [Segment(name, part) for part in parts if arc_length(part)[-1] >= _SHORTEST * radius]
+        fragments[index] = [Segment(name, part) for part in _fragments(points, spans, radius)]
     if not fragments:
         return sketch
     return Sketch(tuple(piece for i, whole in enumerate(sketch.segments) for piece in fragments.get(i, [whole])))
+
+
+def erase_stroke(points: np.ndarray, path: Any, radius: float) -> list[np.ndarray] | None:
+    """The fragments of one stroke that an eraser leaves, as `erase` does it; None if the stroke is not under it.
+
+    Parameters
+    ----------
+    points : (n, d) array
+        Canvas coordinates, then what else each point has, as pressure and time: it is interpolated where the stroke is
+        cut.
+    path : (n, 2) array-like
+    radius : float
+
+    Raises
+    ------
+    ValueError
+        If the path is no stroke or the radius is out of range.
+    """
+    radius = as_radius(radius)
+    erased = _erased_spans(Sketch((Segment(UNNAMED, points[:, :2]),)), path, radius)
+    return _fragments(points, erased[0], radius) if erased else None
 
 
 def as_radius(radius: Any) -> float:
@@ -134,6 +155,11 @@ def _edges(sketch: Sketch) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarr
     return owners[begins], vertices[begins], points[begins], steps[begins]
 
 
+def _fragments(points: np.ndarray, spans: np.ndarray, radius: float) -> list[np.ndarray]:
+    parts = _without_spans(points, spans)
+    return [part for part in parts if arc_length(part[:, :2])[-1] >= _SHORTEST * radius]
+
+
 def _without_spans(points: np.ndarray, spans: np.ndarray) -> list[np.ndarray]:
     """The parts of a polyline, in order, that spans of its places leave free."""
     spans = spans[np.argsort(spans[:, 0])]
@@ -144,8 +170,8 @@ def _without_spans(points: np.ndarray, spans: np.ndarray) -> list[np.ndarray]:
 
 
 def _between(points: np.ndarray, low: float, high: float) -> np.ndarray:
-    """The part (n, 2) of a polyline from one place to another."""
+    """The part (m, d) of a polyline (n, d) from one place to another."""
     index = np.arange(len(points))
     inner = points[int(low) + 1 : math.ceil(high)]
-    ends = [[np.interp(place, index, points[:, k]) for k in (0, 1)] for place in (low, high)]
+    ends = [[np.interp(place, index, points[:, k]) for k in range(points.shape[1])] for place in (low, high)]
     return np.concatenate([ends[:1], inner, ends[1:]])

@@ -7,7 +7,8 @@ from typing import Any
 import numpy as np
 
 from ..database.drawings import MAX_MILLISECONDS, as_pen_stroke, as_sketch
-from ..sketch import Sketch, erase
+from ..sketch import Sketch
+from ..sketch.erase import erase_stroke
 
 Strokes = tuple[np.ndarray, ...]
 
@@ -96,28 +97,9 @@ class Draft:
 
 def _without(stroke: np.ndarray, path: Any, radius: float) -> list[np.ndarray]:
     """What an eraser leaves of a stroke: the same object if it is not under it."""
-    whole = as_sketch([stroke])
-    left = erase(whole, path, radius)
-    return [stroke] if left is whole else [_part(stroke, segment.points) for segment in left.segments]
-
-
-def _part(stroke: np.ndarray, points: np.ndarray) -> np.ndarray:
-    """Points (m, 2) that were cut out of a stroke (n, 4), with pressure and time: all but their ends are its own."""
-    begins, steps = stroke[:-1].astype(np.float64), np.diff(stroke.astype(np.float64), axis=0)
-    first, first_off = _on_edges(points[0], begins, steps)
-    last, last_off = _on_edges(points[-1], begins, steps)
-    apart = len(points) - 2  # edges from that of the first point to that of the last
-    edge = int(np.argmin(first_off[: len(steps) - apart] + last_off[apart:]))
-    rows = stroke[edge : edge + len(points)].astype(np.float64)
-    rows[0] = begins[edge] + first[edge] * steps[edge]
-    rows[-1] = begins[edge + apart] + last[edge + apart] * steps[edge + apart]
-    rows[:, :2] = points
-    return as_pen_stroke(rows)
-
-
-def _on_edges(point: np.ndarray, begins: np.ndarray, steps: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """How far along each edge (n, 4), from 0 to 1, it is nearest to a point (2,), and how far from it then."""
-    offset, along = point - begins[:, :2], steps[:, :2]
-    squared = (along**2).sum(axis=1)
-    share = np.divide((offset * along).sum(axis=1), squared, out=np.zeros(len(begins)), where=squared > 0).clip(0, 1)
-    return share, np.hypot(*(offset - share[:, None] * along).T)
+    fragments = erase_stroke(stroke, path, radius)
+    if fragments is None:
+        return [stroke]
+    for fragment in fragments:
+        fragment[:, 3] = np.maximum.accumulate(fragment[:, 3])  # interpolation rounds
+    return [as_pen_stroke(fragment) for fragment in fragments]

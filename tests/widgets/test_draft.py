@@ -49,6 +49,13 @@ def test_a_stroke_that_crosses_itself_is_cut_on_the_way_that_was_erased():
     assert (first[-1, 3], turn[0, 3], turn[-1, 3], last[0, 3]) == pytest.approx((330, 370, 1230, 1270), abs=0.1)
 
 
+def test_a_stroke_that_turns_back_is_cut_at_its_turn():
+    draft = drawn(np.array([[0.0, 0.5, 0.5, 0.0], [1.0, 0.5, 0.5, 100.0], [0.0, 0.5, 0.5, 200.0]]))
+    assert draft.erase([[1.0, 0.5]], 0.01)
+    there, back = draft.strokes
+    np.testing.assert_allclose([there[:, 3], back[:, 3]], [[0, 99], [101, 200]], atol=0.1)
+
+
 points = st.lists(st.tuples(*[st.floats(0, 1, width=16)] * 3), min_size=1, max_size=12)
 paths = st.lists(st.tuples(*[st.floats(0, 1, width=16)] * 2), min_size=1, max_size=3)
 
