@@ -13,6 +13,7 @@ import secrets
 import socket
 from importlib.util import find_spec
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Annotated, Any, NoReturn
 from urllib.parse import quote
 
@@ -83,8 +84,12 @@ def studio(
     if find_spec(package) is None:
         fail(f"{package} is missing; install it with: pip install 'sketchwidget[notebooks]'")
     _require_free(host, port)
-    serve = _serve_page if app else _serve_lab
-    serve(studio_notebook(Path()), host, port)
+    if not app:
+        _serve_lab(studio_notebook(Path()), host, port)
+        return
+    # The page is the Studio and nothing else, whatever the user's notebook holds.
+    with TemporaryDirectory(prefix="sketchwidget-") as folder:
+        _serve_page(_write_notebook(Path(folder)), host, port)
 
 
 def studio_notebook(folder: Path) -> Path:
@@ -108,6 +113,11 @@ def studio_notebook(folder: Path) -> Path:
     checkout = Path(__file__).resolve().parents[1] / "notebooks" / "00_studio.ipynb"
     if checkout.is_file():
         return checkout
+    return _write_notebook(folder)
+
+
+def _write_notebook(folder: Path) -> Path:
+    """Write a notebook of the Studio alone into a folder, unless one is there; its absolute path."""
     path = folder / "sketchwidget-studio.ipynb"
     if not path.exists():
         try:

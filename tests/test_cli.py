@@ -96,6 +96,15 @@ def test_installed_package_writes_a_one_cell_notebook(elsewhere):
     assert [cell.source for cell in notebook.cells] == ["import sketchwidget as sw\n\nsw.Studio()"]
 
 
+def test_the_page_is_the_studio_alone_and_leaves_nothing_behind(monkeypatch, elsewhere, port):
+    served = {}
+    monkeypatch.setattr(cli, "_serve_page", lambda path, *_: served.update({path: nbformat.read(path, as_version=4)}))
+    assert run("studio", "--app", "--port", str(port)).exit_code == 0
+    ((path, notebook),) = served.items()
+    assert [cell.source for cell in notebook.cells] == ["import sketchwidget as sw\n\nsw.Studio()"]
+    assert not path.exists() and not any(elsewhere.iterdir())
+
+
 def test_a_notebook_already_there_is_kept(elsewhere):
     (elsewhere / ONE_CELL).write_text("mine")
     assert cli.studio_notebook(elsewhere).read_text() == "mine"

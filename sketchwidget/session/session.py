@@ -170,7 +170,10 @@ class Session(HasTraits):
             text = textfile.read(path)
         except ValueError as error:
             raise SessionFileError(f"{os.fspath(path)} is no session: {error}") from error
-        return cls.loads(text, regressor)
+        try:
+            return cls.loads(text, regressor)
+        except SessionFileError as error:
+            raise SessionFileError(f"{os.fspath(path)}: {error}") from error
 
     @default("layers")
     def _layers_of_no_drawing(self) -> Layers:

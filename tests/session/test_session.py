@@ -238,3 +238,9 @@ def test_a_session_is_imported_without_torch_and_widgets():
     program = "import sys, sketchwidget.session as s; s.Session(); print({'torch', 'ipywidgets'} & sys.modules.keys())"
     output = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True).stdout
     assert output.strip() == "set()"
+
+
+def test_a_file_that_is_no_session_is_named(tmp_path):
+    (tmp_path / "letter.txt").write_text("Dear reader")
+    with pytest.raises(SessionFileError, match=r"letter\.txt: line 1"):
+        Session.load(tmp_path / "letter.txt")
