@@ -152,13 +152,15 @@ class FaceDatabase(Sequence[DatabaseFace]):
         Raises
         ------
         ValueError
-            If the kind is another.
+            If the kind is another, or a single identity is to be split.
         """
         random = np.random.default_rng([seed, len(self)])
         if kind == "random":
             left_out = np.zeros(len(self), dtype=bool)
             left_out[random.permutation(len(self))[: round(_LEFT_OUT * len(self))]] = True
         elif kind == "identity":
+            if self.identities < 2:
+                raise ValueError("a split by identity needs two of them; this database has one")
             people = random.permutation(self.identities)[: max(1, round(_LEFT_OUT * self.identities))]
             left_out = np.isin(np.arange(len(self)) // (LEVELS * len(self.expressions)), people)
         else:

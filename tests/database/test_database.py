@@ -234,3 +234,9 @@ def test_a_full_disk_is_told_by_the_folder_s_name(tmp_path, monkeypatch):
     monkeypatch.setattr(store, "array", full)
     with pytest.raises(OSError, match="faces cannot be written: No space left on device; what is built stays"):
         store.write(0, Heads(*(np.zeros((LEVELS, 1, 4, 3), dtype=np.float32),) * 3))
+
+
+def test_one_person_cannot_be_split_by_identity(source, tmp_path):
+    build(source, tmp_path / "faces", identities=1, interpolated=0)
+    with pytest.raises(ValueError, match="needs two of them"):
+        FaceDatabase.open(tmp_path / "faces").split("identity")
