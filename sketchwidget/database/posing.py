@@ -28,12 +28,7 @@ class Posing:
     """
 
     def __init__(self, template: Template, poses: Mapping[str, np.ndarray]) -> None:
-        self._skin = np.flatnonzero(template.parts <= PARTS.index("mouth"))
-        number_of = np.full(template.coarse_count, -1)
-        number_of[self._skin] = np.arange(len(self._skin))
-        faces = number_of[template.coarse_faces]
-        self._faces = faces[(faces >= 0).all(axis=1)]
-
+        self._skin, self._faces = template.soft
         scale, centre = to_millimetres(template.subdivision @ poses["neutral"], template)
         self._rest = scale * (poses["neutral"] - centre)
         self._displacements = np.stack([scale * (pose - poses["neutral"]) for pose in poses.values()])

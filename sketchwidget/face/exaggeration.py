@@ -37,12 +37,7 @@ class Exaggeration:
     """
 
     def __init__(self, template: Template, rest: np.ndarray) -> None:
-        self._moving = np.flatnonzero(template.parts <= PARTS.index("mouth"))
-        number_of = np.full(template.coarse_count, -1)
-        number_of[self._moving] = np.arange(len(self._moving))
-        faces = number_of[template.coarse_faces]
-        self._faces = faces[(faces >= 0).all(axis=1)].astype(np.int64)
-
+        self._moving, self._faces = template.soft
         still = [name for name in (*FEATURES, *LIPS) if any(part in name for part in ("eye", "mouth", "lip"))]
         fine = template.subdivision @ rest
         about = KDTree(fine[np.concatenate([template.curves[name] for name in still])])

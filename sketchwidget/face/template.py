@@ -76,6 +76,15 @@ class Template:
         return _triangles(self.quads)
 
     @cached_property
+    def soft(self) -> tuple[np.ndarray, np.ndarray]:
+        """What deforms, skin and mouth: its coarse vertices (s,) and its triangles (t, 3), which number only these."""
+        vertices = np.flatnonzero(self.parts <= PARTS.index("mouth"))
+        number_of = np.full(self.coarse_count, -1)
+        number_of[vertices] = np.arange(len(vertices))
+        faces = number_of[self.coarse_faces]
+        return vertices, faces[(faces >= 0).all(axis=1)]
+
+    @cached_property
     def fine_parts(self) -> np.ndarray:
         """Index in `PARTS` of each fine vertex, (V,) uint8; where parts meet, the lower index."""
         if not self.refined:
