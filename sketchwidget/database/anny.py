@@ -36,7 +36,7 @@ _SPREAD = {
     "eyebrows": 0.25,
     "eyes": 0.22,
     "forehead": 0.2,
-    "head": 0.25,
+    "head": 0.2,
     "mouth": 0.22,
     "neck": 0.15,
     "nose": 0.28,

@@ -10,12 +10,14 @@ from typing import Any
 
 import numpy as np
 from joblib import Parallel, delayed
+from joblib.externals.loky.process_executor import TerminatedWorkerError
 from tqdm import tqdm
 
 from ..face.decomposition import COMPONENTS, RANK, decompose
 from ..face.drawing import draw
 from ..face.exaggeration import LEVELS, Exaggeration
 from ..face.model import FaceModel
+from ..face.template import Template
 from ..face.wrinkles import Wrinkles
 from ..geometry.view import View
 from ..sketch import WRINKLE, resample_each
@@ -26,6 +28,7 @@ from .store import WRINKLE_POINTS, WRINKLES, Heads, Plan, Store
 
 MODEL = "face.safetensors"
 
+MODEL_IDENTITIES = 150  # the first ones, as in the paper; further ones are for networks to learn from
 _TOGETHER = 3  # identities that a process makes in one go; each go reads the source anew
 
 
@@ -65,6 +68,7 @@ class Maker:
         posed = np.stack([self._contact.mended(head) for head in posed])
         rest = posed[self.source.expressions.index("neutral")]
         vertices = self._exaggeration(rest, posed)
+        vertices = np.stack([[self._contact.seated(head) for head in heads] for heads in vertices])
         each = vertices.reshape(-1, *vertices.shape[-2:])
         crossing = np.array([tuple(self._contact.crossing(head).values()) for head in each], dtype=np.int16)
         wrinkles = np.stack([self._wrinkled(head) for head in each])
@@ -125,45 +129,63 @@ def build(
         )
     plan = Plan(source.name, identities, source.expressions, source.template.coarse_count, interpolated=interpolated)
     store = Store.create(out, plan)
+    maker = prepare(source, identities)
+    store.require_frame(maker.scale, maker.origin)
     if missing := store.missing():
-        maker = prepare(source, identities)
-        store.require_frame(maker.scale, maker.origin)
         (out / MODEL).unlink(missing_ok=True)
         goes = [missing[start : start + _TOGETHER] for start in range(0, len(missing), _TOGETHER)]
         made: Any = Parallel(n_jobs=jobs, return_as="generator_unordered")(delayed(_make)(maker, go) for go in goes)
         with tqdm(total=identities, initial=identities - len(missing), desc="identities", unit="head") as bar:
-            for heads in made:
-                for number, identity in heads:
-                    store.write(number, identity)
-                    bar.update()
+            try:
+                for heads in made:
+                    for number, identity in heads:
+                        store.write(number, identity)
+                        bar.update()
+            except TerminatedWorkerError as error:
+                raise OSError(
+                    "a process of the build was killed, most likely for lack of memory: give fewer --jobs; what is"
+                    " built stays, and the same command goes on"
+                ) from error
     if not _is_sound(out / MODEL):
         unfinished = out / f"{MODEL}.part"
-        decomposed(store, source).save(unfinished, provenance or {})
+        decomposed(store, source.template).save(unfinished, provenance or {})
         unfinished.rename(out / MODEL)
     return store
 
 
 def prepare(source: FaceSource, identities: int) -> Maker:
-    """The maker of a source's heads, its frame taken from the mean of the identities at rest."""
-    neutral = source.expressions.index("neutral")
-    total = np.zeros((source.template.coarse_count, 3))
-    for number in tqdm(range(identities), desc="measuring", unit="head", leave=False):
-        total += source.heads(number)[neutral]
-    mean = total / identities
+    """The maker of a source's heads, its frame taken from the mean of the model's identities at rest."""
+    measured = range(min(identities, MODEL_IDENTITIES))
+    mean = np.mean([source.rest(number) for number in tqdm(measured, "measuring", unit="head", leave=False)], axis=0)
     scale, origin = to_millimetres(source.template.subdivision @ mean, source.template)
     return Maker(source, scale, origin, scale * (mean - origin))
 
 
-def decomposed(store: Store, source: FaceSource) -> FaceModel:
-    """The bilinear model of all identities at all levels, in all expressions (paper 4.2)."""
+def decomposed(store: Store, template: Template, rank: tuple[int, int] = RANK) -> FaceModel:
+    """The bilinear model of a database (paper 4.2): of its first 150 identities at all levels, in all expressions.
+
+    Parameters
+    ----------
+    store : Store
+    template : Template
+        Of its heads.
+    rank : (int, int)
+        Identity and expression size; as much of it as there are people and expressions.
+
+    Returns
+    -------
+    FaceModel
+        Its mean identity is that of the people as they are, at level 1.
+    """
     plan = store.plan
-    people = plan.identities * LEVELS
+    identities = min(plan.identities, MODEL_IDENTITIES)
+    people = identities * LEVELS
     tensor = np.empty((people, len(plan.expressions), 3 * plan.vertices), dtype=np.float32)
-    for number in tqdm(range(plan.identities), desc="decomposing", unit="head", leave=False):
+    for number in tqdm(range(identities), desc="decomposing", unit="head", leave=False):
         heads = store.read(number).vertices
         tensor[number * LEVELS : (number + 1) * LEVELS] = heads.reshape(LEVELS, len(plan.expressions), -1)
-    rank = (min(RANK[0], people), min(RANK[1], len(plan.expressions)))
-    return FaceModel(source.template, decompose(tensor, rank, COMPONENTS), list(plan.expressions))
+    bilinear = decompose(tensor, (min(rank[0], people), min(rank[1], len(plan.expressions))), COMPONENTS)
+    return FaceModel(template, bilinear, list(plan.expressions), bilinear.identities[::LEVELS].mean(axis=0))
 
 
 def _is_sound(model: Path) -> bool:
@@ -175,4 +197,11 @@ def _is_sound(model: Path) -> bool:
 
 
 def _make(maker: Maker, numbers: Iterable[int]) -> list[tuple[int, Heads]]:
-    return [(number, maker(number)) for number in numbers]
+    return [(number, _made(maker, number)) for number in numbers]
+
+
+def _made(maker: Maker, number: int) -> Heads:
+    try:
+        return maker(number)
+    except ValueError as error:
+        raise ValueError(f"identity {number} of the source {maker.source.name}: {error}") from error

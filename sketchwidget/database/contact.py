@@ -1,4 +1,7 @@
-"""Lips that do not cross and lids that do not enter the eyeball: tested on the fine mesh, mended on the coarse one."""
+"""Lips that do not cross, lids that do not enter the eyeball, teeth that stay behind the skin.
+
+Tested on the fine mesh, mended on the coarse one.
+"""
 
 from __future__ import annotations
 
@@ -12,11 +15,13 @@ from scipy.spatial import KDTree
 
 from ..face.template import PARTS, Template
 from ..geometry.intersection import intersecting
+from ..geometry.visibility import covering
 
 _LIP_MM, _LID_MM = 9.0, 8.0  # how far from the lips' contact and the lids' margins both are looked for
 _LIP_REACH = 16.0  # how far from the contact the lips move when they part
 _GAP_MM = 0.05  # between lips that were parted
 _CLEARANCE_MM = 0.15  # of lids over the eyeball
+_TEETH_MM = 1.5  # of skin in front of the teeth
 _FAR = 60.0  # mm: distances along the surface end there
 _STEP = 1.0  # mm along the mouth
 _ROUNDS = 6
@@ -66,6 +71,14 @@ class Contact:
             self._find_eye(fine, side, along_surface(f"{side}_eye_upper", f"{side}_eye_lower"))
             for side in (("left", "right") if has_eyes else ())
         ]
+        self._skin = template.faces[(template.fine_parts[template.faces] == PARTS.index("skin")).all(axis=1)]
+        self._rows = self._find_teeth(rest)
+
+    def _find_teeth(self, rest: np.ndarray) -> list[np.ndarray]:
+        """Coarse vertices of the upper and of the lower teeth."""
+        teeth = np.flatnonzero(self._template.parts == PARTS.index("teeth"))
+        upper = rest[teeth, 1] > rest[teeth, 1].mean() if len(teeth) else np.zeros(0, dtype=bool)
+        return [row for row in (teeth[upper], teeth[~upper]) if len(row)]
 
     def _find_lips(self, from_upper: np.ndarray, from_lower: np.ndarray) -> _Lips:
         template = self._template
@@ -115,7 +128,7 @@ class Contact:
         }
 
     def mended(self, head: np.ndarray) -> np.ndarray:
-        """A head (n, 3) with its lips parted where they cross, and its lids lifted off the eyeballs."""
+        """A head (n, 3) with lips parted where they cross, lids lifted off the eyeballs, and teeth behind the skin."""
         head = np.array(head, dtype=np.float64)
         for eye in self._eyes:
             for _ in range(_ROUNDS):
@@ -126,6 +139,18 @@ class Contact:
             if not len(self._crossing_lips(lips)):
                 break
             self._part_lips(head, lips)
+        return self.seated(head)
+
+    def seated(self, head: np.ndarray) -> np.ndarray:
+        """A head (n, 3) with each row of its teeth moved back by as much as some of it comes through the skin."""
+        head = np.array(head)
+        skin = self._template.subdivision @ head
+        for row in self._rows:
+            point, above = covering(head[row], skin, self._skin)
+            outermost = np.full(len(row), -np.inf)
+            np.maximum.at(outermost, point, above)
+            covered = np.isfinite(outermost)
+            head[row, 2] -= np.maximum(_TEETH_MM - outermost[covered], 0.0).max(initial=0.0)
         return head
 
     def _crossing_lips(self, lips: np.ndarray) -> np.ndarray:

@@ -11,6 +11,7 @@ from typing import Self, overload
 
 import numpy as np
 
+from ..face.bilinear import fit_identity
 from ..face.drawing import draw
 from ..face.exaggeration import LEVELS
 from ..face.face import Face
@@ -48,9 +49,7 @@ class DatabaseFace:
     @property
     def weights(self) -> tuple[np.ndarray, np.ndarray]:
         """Identity (p,) and expression (q,) weights in the database's bilinear model."""
-        model = self._database.model
-        row = self.identity * LEVELS + self.level - 1
-        return model.bilinear.identities[row], model.bilinear.expressions[model.expressions.index(self.expression)]
+        return self._database.identity_weights(self.identity, self.level), self._database.expression(self.expression)
 
     @property
     def face(self) -> Face:
@@ -146,7 +145,8 @@ class FaceDatabase(Sequence[DatabaseFace]):
         Parameters
         ----------
         kind : str
-            "random": faces of all identities are left out for the test; "identity": whole identities are.
+            "random": faces of all identities are left out for the test; "identity": whole identities are, of those
+            that the model was not made of if there are enough.
         seed : int
 
         Raises
@@ -161,7 +161,11 @@ class FaceDatabase(Sequence[DatabaseFace]):
         elif kind == "identity":
             if self.identities < 2:
                 raise ValueError("a split by identity needs two of them; this database has one")
-            people = random.permutation(self.identities)[: max(1, round(_LEFT_OUT * self.identities))]
+            # Those that not even the model has seen, if there are enough of them.
+            count = max(1, round(_LEFT_OUT * self.identities))
+            unseen = self.identities - len(self.model.bilinear.identities) // LEVELS
+            first = self.identities - unseen if unseen >= count else 0
+            people = first + random.permutation(self.identities - first)[:count]
             left_out = np.isin(np.arange(len(self)) // (LEVELS * len(self.expressions)), people)
         else:
             raise ValueError(f"a split is 'random' or 'identity'; given {kind!r}")
@@ -183,24 +187,42 @@ class FaceDatabase(Sequence[DatabaseFace]):
         """SHA-256 over all faces, in hexadecimal: two databases with the same sum hold the same faces."""
         return self._store.sum()
 
+    def expression(self, name: str) -> np.ndarray:
+        """Expression weights (q,) of an expression."""
+        return self.model.bilinear.expressions[self.model.expressions.index(name)]
+
+    def identity_weights(self, identity: int, level: int) -> np.ndarray:
+        """Identity weights (p,) of a person at a level: the model's own, or fitted if the model does not know them."""
+        known, row = self.model.bilinear.identities, identity * LEVELS + level - 1
+        if row < len(known):
+            return known[row]
+        meshes = self.person(identity, level)
+        return fit_identity(self.model.bilinear, meshes.reshape(len(meshes), -1), self.model.bilinear.expressions)
+
+    def person(self, identity: int, level: int) -> np.ndarray:
+        """Coarse vertices (e, n, 3) of a person in all expressions."""
+        return self._read("vertices", (identity, level - 1))
+
     def coarse(self, face: DatabaseFace) -> np.ndarray:
         """Coarse vertices (n, 3) of a face."""
-        return self._read("vertices", face)
+        return self._read("vertices", self._place(face))
 
     def wrinkles(self, face: DatabaseFace) -> np.ndarray:
         """Wrinkle lines (48, 12, 2) of a face, NaN where there are no more."""
-        return self._read("wrinkles", face)
+        return self._read("wrinkles", self._place(face))
 
-    def _read(self, name: str, face: DatabaseFace) -> np.ndarray:
+    def _place(self, face: DatabaseFace) -> tuple[int, int, int]:
+        return face.identity, face.level - 1, self.expressions.index(face.expression)
+
+    def _read(self, name: str, place: tuple[int, ...]) -> np.ndarray:
         try:
-            array = self._store.array(name)
-            read = np.asarray(array[face.identity, face.level - 1, self.expressions.index(face.expression)])
+            read = np.asarray(self._store.array(name)[place])
             if name == "vertices" and not np.isfinite(read).all():
                 raise ValueError("its file is missing")
             return read
         except Exception as error:  # whatever a codec makes of damaged bytes
             raise OSError(
-                f"{self._store.path / name}: identity {face.identity} cannot be read;"
+                f"{self._store.path / name}: identity {place[0]} cannot be read;"
                 " the command that built the database mends it"
             ) from error
 

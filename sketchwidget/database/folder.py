@@ -106,13 +106,24 @@ class MeshFolderSource:
         FileNotFoundError, ValueError
             If one of its files is missing, damaged, or of another topology.
         """
+        faces = np.stack([self._read(number, file) for file in self._files])
+        return self._aligned(faces, faces[self._names.index("neutral")]).astype(np.float32)
+
+    def rest(self, number: int) -> np.ndarray:
+        """Identity `number` at rest, (n, 3), millimetres, aligned; raises as `heads` does."""
+        rest = self._read(number, self._files[self._names.index("neutral")])
+        return self._aligned(rest, rest)
+
+    def _aligned(self, faces: np.ndarray, rest: np.ndarray) -> np.ndarray:
+        """Faces (..., n, 3) of an identity, with its face at rest (n, 3) on that of the first one."""
+        scale, rotation, translation = similarity(rest[self._skin], self._rest[self._skin])
+        return scale * faces @ rotation.T + translation
+
+    def _read(self, number: int, file: Path) -> np.ndarray:
+        """One face (n, 3) of an identity, in its file's unit and place."""
         if not 0 <= number < len(self._identities):
             raise IndexError(f"identities are numbered 0 to {len(self._identities) - 1}; given {number}")
-        files = [self._identities[number] / file for file in self._files]
-        faces = np.stack([read_registered(file, self._first)[self._kept] for file in files])
-        neutral = faces[self._names.index("neutral")]
-        scale, rotation, translation = similarity(neutral[self._skin], self._rest[self._skin])
-        return (scale * faces @ rotation.T + translation).astype(np.float32)
+        return read_registered(self._identities[number] / file, self._first)[self._kept]
 
     def _read_topology(self) -> dict[str, Any]:
         try:

@@ -41,11 +41,15 @@ class Posing:
 
     def __call__(self, identity: np.ndarray) -> np.ndarray:
         """A resting head (n, 3), in any unit and place, in each expression: (e, n, 3) float32, millimetres."""
-        scale, rotation, translation = similarity(identity[self._skin], self._rest[self._skin])
-        rest = scale * identity @ rotation.T + translation
+        rest = self.aligned(identity)
         posed = rest + self._displacements
         posed[:, self._skin] = DeformationTransfer(rest[self._skin], self._faces, self._held)(self._gradients)
         return posed.astype(np.float32)
+
+    def aligned(self, identity: np.ndarray) -> np.ndarray:
+        """A resting head (n, 3), in any unit and place, where its expressions are: (n, 3), millimetres."""
+        scale, rotation, translation = similarity(identity[self._skin], self._rest[self._skin])
+        return scale * identity @ rotation.T + translation
 
 
 def to_millimetres(head: np.ndarray, template: Template) -> tuple[float, np.ndarray]:

@@ -41,6 +41,10 @@ class FaceSource(Protocol):
         """
         ...
 
+    def rest(self, number: int) -> np.ndarray:
+        """Identity `number` at rest, as it is among its `heads`, without the work of posing the others: (n, 3)."""
+        ...
+
 
 class TransferredSource(ABC):
     """A source with one set of poses, of its own resting head; deformation transfer carries them to its identities."""
@@ -64,6 +68,10 @@ class TransferredSource(ABC):
     def heads(self, number: int) -> np.ndarray:
         """Identity `number` in every expression: coarse vertices (expressions, n, 3) float32, millimetres, aligned."""
         return self._posing(self.identity(number))
+
+    def rest(self, number: int) -> np.ndarray:
+        """Identity `number` at rest: coarse vertices (n, 3), millimetres, aligned."""
+        return self._posing.aligned(self.identity(number))
 
     @cached_property
     def _posing(self) -> Posing:

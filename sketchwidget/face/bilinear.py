@@ -34,6 +34,28 @@ class Bilinear:
     expressions: np.ndarray
 
 
+def fit_identity(model: Bilinear, meshes: np.ndarray, expressions: np.ndarray) -> np.ndarray:
+    """Identity weights of one person's meshes, by linear least squares over expressions that are known.
+
+    Parameters
+    ----------
+    model : Bilinear
+    meshes : (e, d) array
+        Flattened coordinates, millimetres.
+    expressions : (e, q) array
+        Their expression weights.
+
+    Returns
+    -------
+    (p,) float32 array
+    """
+    codes = (meshes - model.mean) @ model.basis
+    by_identity = np.einsum("kpq,eq->ekp", model.core, expressions)
+    return np.linalg.lstsq(by_identity.reshape(-1, by_identity.shape[2]), codes.ravel(), rcond=None)[0].astype(
+        np.float32
+    )
+
+
 def fit(model: Bilinear, mesh: np.ndarray, iterations: int = 10) -> tuple[np.ndarray, np.ndarray]:
     """Weights of a given mesh by alternating least squares, from the expression on that fits it best.
 

@@ -23,7 +23,7 @@ from .template import Template
 from .tensorfile import read, writing
 from .wrinkles import Wrinkles
 
-FORMAT = "sketchwidget face model 1"
+FORMAT = "sketchwidget face model 2"
 _CURVE = "curve."
 
 
@@ -37,9 +37,13 @@ class FaceModel:
         On the coarse vertices.
     expressions : sequence of str
         Names of the expressions of the tensor, the resting face as "neutral".
+    mean_identity : (p,) array, optional
+        Weights of the identity that stands for all; by default the mean of the tensor's.
     """
 
-    def __init__(self, template: Template, bilinear: Bilinear, expressions: list[str]) -> None:
+    def __init__(
+        self, template: Template, bilinear: Bilinear, expressions: list[str], mean_identity: np.ndarray | None = None
+    ) -> None:
         if len(expressions) != len(bilinear.expressions) or "neutral" not in expressions:
             raise ValueError(
                 f"a model names each of its {len(bilinear.expressions)} expressions, one of them 'neutral';"
@@ -48,6 +52,7 @@ class FaceModel:
         self.template = template
         self.bilinear = bilinear
         self.expressions = list(expressions)
+        self.mean_identity = bilinear.identities.mean(axis=0) if mean_identity is None else mean_identity
 
     @property
     def identity_size(self) -> int:
@@ -73,11 +78,6 @@ class FaceModel:
     def landmarks(self) -> np.ndarray:
         """Vertex indices (68,) int32 of the landmarks, in iBUG order."""
         return self.template.landmarks
-
-    @cached_property
-    def mean_identity(self) -> np.ndarray:
-        """Weights (identity_size,) of the mean identity."""
-        return self.bilinear.identities.mean(axis=0)
 
     @cached_property
     def mean(self) -> np.ndarray:
@@ -187,6 +187,7 @@ class FaceModel:
             "core": model.core,
             "identities": model.identities,
             "expressions": model.expressions,
+            "mean_identity": self.mean_identity,
             **{_CURVE + name: path for name, path in template.curves.items()},
         }
         header = {"format": FORMAT, "expressions": json.dumps(self.expressions), **provenance}
@@ -228,7 +229,7 @@ class FaceModel:
             identities=tensors["identities"],
             expressions=tensors["expressions"],
         )
-        model = cls(template, bilinear, expressions)
+        model = cls(template, bilinear, expressions, tensors["mean_identity"])
         missing = {SILHOUETTE, *FEATURES, *LIPS} - set(curves)
         used = np.concatenate([template.landmarks, *curves.values()])
         if missing or used.min() < 0 or used.max() >= len(model.mean):

@@ -8,8 +8,9 @@ import numpy as np
 from scipy.ndimage import gaussian_filter1d
 from scipy.spatial import KDTree
 
-from ..geometry.suggestive import SuggestiveContours, visible
+from ..geometry.suggestive import SuggestiveContours
 from ..geometry.view import CANVAS_MM, View
+from ..geometry.visibility import visible
 from ..sketch import SILHOUETTE, arc_length, resample
 from .template import PARTS, Template
 
@@ -17,8 +18,8 @@ LIPS = ("lip_upper", "lip_lower")  # the outer contour of the lips, a wrinkle th
 
 # Suggestive contours: degrees, and 1/mm^2 for a face 200 mm high.
 _ANGLE = 12.0
-_LEAST, _PEAK = 0.001, 0.005
-_SHORTEST = 9.0  # mm; anything less is a crumb
+_LEAST, _PEAK = 0.0006, 0.003
+_SHORTEST = 7.0  # mm; anything less is a crumb
 _STEP, _SMOOTHING = 1.0, 1.5  # mm along a line, and steps: a contour turns at every edge of the mesh, a pen does not
 _BESIDE, _ALONG = 5.0, 0.75  # mm from a predefined curve, and cosine with its direction: such a wrinkle is its double
 

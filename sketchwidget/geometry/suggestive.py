@@ -2,12 +2,9 @@
 
 from __future__ import annotations
 
-from itertools import chain
-
 import igl
 import numpy as np
 from scipy import sparse
-from scipy.spatial import KDTree
 
 _SMOOTHING = 3  # rounds of averaging over neighbours; the normals' differences are noisy on small triangles
 
@@ -153,55 +150,6 @@ class SuggestiveContours:
             bend = self._average @ bend
         slope = (gradient(bend) * w).sum(axis=1) / np.maximum(sine, 1e-9)
         return bend, slope, sine
-
-
-def visible(
-    points: np.ndarray, vertices: np.ndarray, faces: np.ndarray, rotation: np.ndarray, tolerance: float = 1.0
-) -> np.ndarray:
-    """Which points of a closed mesh nothing hides from a distant viewer.
-
-    Parameters
-    ----------
-    points : (p, 3) array
-        On the mesh, millimetres.
-    vertices : (n, 3) array
-        Millimetres.
-    faces : (m, 3) int array
-    rotation : (3, 3) array
-        From the mesh's frame to the viewer's: x right, y up, z to the viewer.
-    tolerance : float
-        What covers a point by less, in millimetres, does not hide it.
-
-    Returns
-    -------
-    (p,) bool array
-    """
-    seen, turned = points @ rotation.T, np.asarray(vertices, dtype=np.float64) @ rotation.T
-    clear = np.ones(len(seen), dtype=bool)
-    if not len(seen):
-        return clear
-    low, high = seen.min(axis=0), seen.max(axis=0)
-    aside = np.stack([turned[:, 0] < low[0], turned[:, 0] > high[0], turned[:, 1] < low[1], turned[:, 1] > high[1]])
-    a, b, c = np.asarray(faces).T
-    near = np.flatnonzero(~(aside[:, a] & aside[:, b] & aside[:, c]).any(axis=0))
-    corner, first, second = turned[a[near]], turned[b[near]] - turned[a[near]], turned[c[near]] - turned[a[near]]
-    double_area = first[:, 0] * second[:, 1] - first[:, 1] * second[:, 0]
-    facing = double_area > 1e-9  # what hides a point is met from its front
-    corner, first, second, double_area = corner[facing], first[facing], second[facing], double_area[facing]
-    # Candidates: points within the triangle's circle about its first corner.
-    reach = np.sqrt(np.maximum(first[:, 0] ** 2 + first[:, 1] ** 2, second[:, 0] ** 2 + second[:, 1] ** 2))
-    found = KDTree(seen[:, :2]).query_ball_point(corner[:, :2], reach, return_sorted=False)
-    count = np.fromiter(map(len, found), dtype=np.int64, count=len(found))
-    triangle = np.repeat(np.arange(len(found)), count)
-    point = np.fromiter(chain.from_iterable(found), dtype=np.int64, count=len(triangle))
-    offset = seen[point] - corner[triangle]
-    first, second, double_area = first[triangle], second[triangle], double_area[triangle]
-    s = (offset[:, 0] * second[:, 1] - offset[:, 1] * second[:, 0]) / double_area
-    t = (first[:, 0] * offset[:, 1] - first[:, 1] * offset[:, 0]) / double_area
-    above = s * first[:, 2] + t * second[:, 2] - offset[:, 2]
-    hidden = (s >= 0) & (t >= 0) & (s + t <= 1) & (above > tolerance)
-    clear[point[hidden]] = False
-    return clear
 
 
 def _paths(links: np.ndarray) -> list[np.ndarray]:
