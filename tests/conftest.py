@@ -1,5 +1,28 @@
+import sys
+from pathlib import Path
+
+import pytest
 from hypothesis import settings
+
+sys.path.insert(0, str(Path(__file__).parent))
 
 # No test is timed: a busy machine is not a bug.
 settings.register_profile("untimed", deadline=None)
 settings.load_profile("untimed")
+
+
+@pytest.fixture(scope="session")
+def three_expressions():
+    from small_database import ThreeExpressions
+
+    return ThreeExpressions()
+
+
+@pytest.fixture(scope="session")
+def small_folder(three_expressions, tmp_path_factory):
+    """A database of three identities in three expressions; nobody changes it."""
+    from sketchwidget.database.build import build
+
+    out = tmp_path_factory.mktemp("built") / "faces"
+    build(three_expressions, out, identities=3, interpolated=5)
+    return out

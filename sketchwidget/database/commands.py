@@ -69,10 +69,11 @@ def database(
     """Build a database of faces, identities x expressions x 4 levels of exaggeration, and their bilinear model."""
     from .build import PRESETS, build
     from .database import FaceDatabase
-    from .provenance import provenance
+    from .provenance import licence, provenance
 
     chosen = PRESETS[preset]
     made = provenance(shlex.join(["sketchwidget", *sys.argv[1:]]), ("numpy", "scipy", "libigl", "tensorly"))
+    made |= {"source": source, "licence": licence(source)}
     count = chosen.identities if identities is None else identities
     build(open_source(source, path), out, count, chosen.interpolated, jobs, made)
     faces = FaceDatabase.open(out)

@@ -18,7 +18,8 @@ from ..face.face import Face
 from ..face.model import FaceModel
 from ..geometry.view import View
 from ..sketch import WRINKLE, Segment, Sketch
-from .build import MODEL
+from .build import MODEL, decomposed
+from .provenance import licence
 from .store import Store
 
 _LEFT_OUT = 0.1  # of the faces, or of the identities, in the test part of a split (paper 4.4)
@@ -183,6 +184,16 @@ class FaceDatabase(Sequence[DatabaseFace]):
         return dict(zip(("lips", "lids"), found.reshape(-1, 2).mean(axis=0).tolist(), strict=True))
 
     @property
+    def origin(self) -> dict[str, str]:
+        """What a file made of this database says of it: its sum, its source and the licence of that."""
+        source = self._store.plan.source
+        return {"database": self.sum, "source": source, "licence": licence(source)}
+
+    def decompose(self, rank: tuple[int, int]) -> FaceModel:
+        """A bilinear model of another rank than the database's own; see `sketchwidget.database.build.decomposed`."""
+        return decomposed(self._store, self.model.template, rank)
+
+    @property
     def sum(self) -> str:
         """SHA-256 over all faces, in hexadecimal: two databases with the same sum hold the same faces."""
         return self._store.sum()
@@ -202,6 +213,10 @@ class FaceDatabase(Sequence[DatabaseFace]):
     def person(self, identity: int, level: int) -> np.ndarray:
         """Coarse vertices (e, n, 3) of a person in all expressions."""
         return self._read("vertices", (identity, level - 1))
+
+    def wrinkles_of(self, identity: int, level: int) -> np.ndarray:
+        """Wrinkle lines (e, 48, 12, 2) of a person in all expressions, NaN where there are no more."""
+        return self._read("wrinkles", (identity, level - 1))
 
     def coarse(self, face: DatabaseFace) -> np.ndarray:
         """Coarse vertices (n, 3) of a face."""

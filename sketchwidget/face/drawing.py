@@ -10,8 +10,9 @@ from ..sketch import FEATURES, SILHOUETTE, WRINKLE, Segment, Sketch, resample
 from .template import Template
 from .wrinkles import LIPS, Wrinkles
 
-_SEGMENTS = {"brow": 2, "upper": 3, "lower": 3, "ear": 2, "nose": 3}  # pieces of a feature line, by the end of its name
-_LIP_SEGMENTS = 2
+# Pieces that a line is drawn in, by the end of its name; the silhouette is whole.
+_PIECES = {"silhouette": 1, "brow": 2, "eye_upper": 3, "eye_lower": 3, "mouth_upper": 3, "mouth_lower": 3, "ear": 2}
+_PIECES |= {"nose": 3, "lip_upper": 2, "lip_lower": 2}
 _OUTLINE_POINTS = 180
 _OUTLINE_SMOOTHING = 2.5  # points; the handle runs along vertices, a pen does not
 
@@ -28,14 +29,15 @@ def draw(template: Template, vertices: np.ndarray, view: View, wrinkles: Wrinkle
     lines = {name: view.project(vertices[path]) for name, path in template.curves.items()}
     segments = [Segment(SILHOUETTE, outline(lines[SILHOUETTE]))]
     for name in FEATURES:
-        segments += [Segment(name, piece) for piece in _split(lines[name], _SEGMENTS[name.rsplit("_", 1)[-1]])]
+        segments += [Segment(name, piece) for piece in split_line(name, lines[name])]
     if wrinkles is not None:
         for name in LIPS:
-            segments += [Segment(WRINKLE, piece) for piece in _split(lines[name], _LIP_SEGMENTS)]
+            segments += [Segment(WRINKLE, piece) for piece in split_line(name, lines[name])]
         segments += [Segment(WRINKLE, line) for line in wrinkles(vertices, view, list(lines.values()))]
     return Sketch(tuple(segments))
 
 
-def _split(points: np.ndarray, count: int) -> list[np.ndarray]:
-    """A polyline in `count` pieces of as many points; neighbours share no point, so that a small gap parts them."""
+def split_line(name: str, points: np.ndarray) -> list[np.ndarray]:
+    """A line (n, d) in the pieces that it is drawn in; neighbours share no point, so that a small gap parts them."""
+    count = next(count for ending, count in _PIECES.items() if name.endswith(ending))
     return [piece for piece in np.array_split(points, count) if len(piece) > 1]

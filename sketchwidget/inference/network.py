@@ -1,10 +1,11 @@
-"""PixelCNN: a sketch's pixels to identity and expression weights (paper 4.3)."""
+"""PixelShapeCNN: a sketch's pixels and the shape of its lines to identity and expression weights (paper 4.3)."""
 
 from __future__ import annotations
 
 import copy
 import json
 from dataclasses import asdict, dataclass
+from itertools import pairwise
 
 import torch
 from torch import Tensor, nn
@@ -15,27 +16,42 @@ IMAGE_SIZE = 256
 
 @dataclass(frozen=True)
 class Layout:
-    """Sizes of a PixelCNN.
+    """Sizes of a PixelShapeCNN, and which of its parts it has: all rows of the paper's Table 2 are layouts.
 
     Parameters
     ----------
+    convolutions : str
+        "residual" ones in a size for a CPU, "alexnet" as in the paper, or "none": a network of lines alone.
     channels : tuple of int
-        Of each stage of convolutions; each stage after the first halves the resolution.
+        Of each stage of residual convolutions; each stage after the first halves the resolution.
     blocks : tuple of int
         Residual blocks of each stage.
     bottleneck : int
-        Channels that go into the fully connected layer, on an 8 x 8 grid.
+        Channels that go from the last stage into the fully connected layer.
     hidden : int
         Neurons of the shared fully connected layer.
     branch : int
         Neurons of each fully connected layer of the branches.
+    shape : int
+        Neurons in each branch for the shape-level input; with 0 there is no such input.
+    branched : bool
+        Whether identity and expression have a branch each, or one stack for both.
     """
 
+    convolutions: str = "residual"
     channels: tuple[int, ...] = (32, 64, 128, 192)
-    blocks: tuple[int, ...] = (0, 2, 3, 2)
+    blocks: tuple[int, ...] = (0, 1, 3, 2)
     bottleneck: int = 40
     hidden: int = 640
     branch: int = 448
+    shape: int = 512
+    branched: bool = True
+
+    def __post_init__(self) -> None:
+        if self.convolutions not in ("residual", "alexnet", "none"):
+            raise ValueError(f"convolutions are residual, alexnet or none; given {self.convolutions!r}")
+        if self.convolutions == "none" and not self.shape:
+            raise ValueError("a network sees pixels or shape; this layout has neither")
 
     def to_json(self) -> str:
         """The layout as it is kept in a network's file."""
@@ -49,7 +65,8 @@ class Layout:
 
 
 COMPACT = Layout()
-TINY = Layout(channels=(8, 12, 16, 16), blocks=(0, 1, 1, 1), bottleneck=8, hidden=64, branch=48)
+PAPER = Layout(convolutions="alexnet", hidden=4096, branch=1024)
+TINY = Layout(channels=(8, 12, 16, 16), blocks=(0, 1, 1, 1), bottleneck=8, hidden=64, branch=48, shape=32)
 
 
 class Residual(nn.Module):
@@ -70,48 +87,43 @@ class Residual(nn.Module):
         return torch.relu(features + self.body(features))
 
 
-class PixelCNN(nn.Module):
-    """Shared convolutions and a fully connected layer, then a branch of three layers for identity and of one for
-    expression.
+class PixelShapeCNN(nn.Module):
+    """Convolutions and a fully connected layer, a branch of three layers for identity and one of one for expression.
 
-    The convolutions are residual ones rather than AlexNet's, in a size for a CPU; everything after them is as in
-    Figure 7. Outputs are standardised weights: 0 is the mean, 1 a standard deviation.
+    The shape-level input has a layer of its own in each branch, joined to it before the output (Figure 7). Beside these
+    outputs stand those of the pixels alone, so that the network answers before lines are named: the convolutions run
+    once for both. Outputs are standardised weights: 0 is the mean, 1 a standard deviation.
 
     Parameters
     ----------
     identity_size, expression_size : int
+        The shape-level input has as many coefficients.
     layout : Layout
     """
 
     def __init__(self, identity_size: int, expression_size: int, layout: Layout = COMPACT) -> None:
         super().__init__()
-        stages: list[nn.Module] = [nn.PixelUnshuffle(4)]
-        width = 16
-        for stage, (channels, blocks) in enumerate(zip(layout.channels, layout.blocks, strict=True)):
-            stages += [
-                nn.Conv2d(width, channels, 3, stride=1 if stage == 0 else 2, padding=1, bias=False),
-                nn.BatchNorm2d(channels),
-                nn.ReLU(inplace=True),
-                *(Residual(channels) for _ in range(blocks)),
-            ]
-            width = channels
-        self.convolutions = nn.Sequential(*stages, nn.Conv2d(width, layout.bottleneck, 1), nn.ReLU(inplace=True))
-        grid = IMAGE_SIZE // 4 // 2 ** (len(layout.channels) - 1)
-        self.shared = nn.Sequential(nn.Linear(layout.bottleneck * grid**2, layout.hidden), nn.ReLU(inplace=True))
-        self.identity = nn.Sequential(
-            nn.Linear(layout.hidden, layout.branch),
-            nn.ReLU(inplace=True),
-            nn.Linear(layout.branch, layout.branch),
-            nn.ReLU(inplace=True),
-            nn.Linear(layout.branch, layout.branch),
-            nn.ReLU(inplace=True),
-            nn.Linear(layout.branch, identity_size),
+        self.layout, self.sizes = layout, (identity_size, expression_size)
+        coefficients = identity_size + expression_size
+        if layout.convolutions == "none":
+            self.convolutions, width = None, coefficients
+        else:
+            build = _alexnet if layout.convolutions == "alexnet" else _residual
+            self.convolutions, width = build(layout)
+        self.shared = nn.Sequential(nn.Linear(width, layout.hidden), nn.ReLU(inplace=True))
+        self.branches = nn.ModuleList(
+            _stack(layout.hidden, layout.branch, depth) for depth in ((3, 1) if layout.branched else (3,))
         )
-        self.expression = nn.Sequential(
-            nn.Linear(layout.hidden, layout.branch), nn.ReLU(inplace=True), nn.Linear(layout.branch, expression_size)
-        )
+        outputs = self.sizes if layout.branched else (coefficients,)
+        self.outputs = nn.ModuleList(nn.Linear(layout.branch, size) for size in outputs)
+        self.shape_layers = self.shape_outputs = None
+        if self.convolutions is not None and layout.shape:
+            self.shape_layers = nn.ModuleList(
+                nn.Sequential(nn.Linear(coefficients, layout.shape), nn.ReLU(inplace=True)) for _ in outputs
+            )
+            self.shape_outputs = nn.ModuleList(nn.Linear(layout.branch + layout.shape, size) for size in outputs)
 
-    def folded(self) -> PixelCNN:
+    def folded(self) -> PixelShapeCNN:
         """The same network for inference only, each batch normalisation folded into the convolution before it."""
         network = copy.deepcopy(self).eval()
         for layers in network.modules():
@@ -123,7 +135,86 @@ class PixelCNN(nn.Module):
                         layers[place + 1] = nn.Identity()
         return network
 
-    def forward(self, images: Tensor) -> tuple[Tensor, Tensor]:
-        """Standardised identity (b, p) and expression (b, q) weights of images (b, 1, 256, 256) with ink as 1."""
-        features = self.shared(self.convolutions(images).flatten(1))
-        return self.identity(features), self.expression(features)
+    def features(self, inputs: Tensor) -> list[Tensor]:
+        """What each branch makes of images (b, 1, 256, 256) with ink as 1, or of codes if there are no convolutions."""
+        seen = inputs if self.convolutions is None else self.convolutions(inputs).flatten(1)
+        shared = self.shared(seen)
+        return [branch(shared) for branch in self.branches]
+
+    def from_pixels(self, features: list[Tensor]) -> tuple[Tensor, Tensor]:
+        """Standardised identity (b, p) and expression (b, q) weights of the pixels alone."""
+        return self._split([output(feature) for output, feature in zip(self.outputs, features, strict=True)])
+
+    def with_shape(self, features: list[Tensor], codes: Tensor) -> tuple[Tensor, Tensor]:
+        """The same of pixels and of shape codes (b, p + q) together.
+
+        Raises
+        ------
+        ValueError
+            If the network's layout has no shape-level input.
+        """
+        if self.shape_layers is None or self.shape_outputs is None:
+            raise ValueError("this network sees pixels only: its layout has no shape-level input")
+        joined = [
+            torch.cat([feature, layer(codes)], dim=1)
+            for feature, layer in zip(features, self.shape_layers, strict=True)
+        ]
+        return self._split([output(feature) for output, feature in zip(self.shape_outputs, joined, strict=True)])
+
+    def forward(self, images: Tensor, codes: Tensor) -> list[tuple[Tensor, Tensor]]:
+        """Identity and expression weights of each of the network's answers: of the pixels, and with the shape."""
+        if self.convolutions is None:
+            return [self.from_pixels(self.features(codes))]
+        features = self.features(images)
+        answers = [self.from_pixels(features)]
+        return answers if self.shape_layers is None else [*answers, self.with_shape(features, codes)]
+
+    def _split(self, outputs: list[Tensor]) -> tuple[Tensor, Tensor]:
+        identity, expression = outputs if len(outputs) == 2 else outputs[0].split(self.sizes, dim=1)
+        return identity, expression
+
+
+def _residual(layout: Layout) -> tuple[nn.Sequential, int]:
+    """Residual convolutions over 4 x 4 patches, and how many features they give."""
+    stages: list[nn.Module] = [nn.PixelUnshuffle(4)]
+    width = 16
+    for stage, (channels, blocks) in enumerate(zip(layout.channels, layout.blocks, strict=True)):
+        stages += [
+            nn.Conv2d(width, channels, 3, stride=1 if stage == 0 else 2, padding=1, bias=False),
+            nn.BatchNorm2d(channels),
+            nn.ReLU(inplace=True),
+            *(Residual(channels) for _ in range(blocks)),
+        ]
+        width = channels
+    grid = IMAGE_SIZE // 4 // 2 ** (len(layout.channels) - 1)
+    stages += [nn.Conv2d(width, layout.bottleneck, 1), nn.ReLU(inplace=True)]
+    return nn.Sequential(*stages), layout.bottleneck * grid**2
+
+
+def _alexnet(_: Layout) -> tuple[nn.Sequential, int]:
+    """The convolutions of Krizhevsky et al. 2012, for one channel, and how many features they give."""
+    layers = nn.Sequential(
+        nn.Conv2d(1, 96, 11, stride=4, padding=2),
+        nn.ReLU(inplace=True),
+        nn.LocalResponseNorm(5, alpha=1e-4, beta=0.75, k=2.0),
+        nn.MaxPool2d(3, stride=2),
+        nn.Conv2d(96, 256, 5, padding=2, groups=2),
+        nn.ReLU(inplace=True),
+        nn.LocalResponseNorm(5, alpha=1e-4, beta=0.75, k=2.0),
+        nn.MaxPool2d(3, stride=2),
+        nn.Conv2d(256, 384, 3, padding=1),
+        nn.ReLU(inplace=True),
+        nn.Conv2d(384, 384, 3, padding=1, groups=2),
+        nn.ReLU(inplace=True),
+        nn.Conv2d(384, 256, 3, padding=1, groups=2),
+        nn.ReLU(inplace=True),
+        nn.MaxPool2d(3, stride=2),
+    )
+    return layers, 256 * 7 * 7
+
+
+def _stack(width: int, neurons: int, depth: int) -> nn.Sequential:
+    """As many fully connected layers one after the other."""
+    sizes = [width, *[neurons] * depth]
+    layers = [(nn.Linear(before, after), nn.ReLU(inplace=True)) for before, after in pairwise(sizes)]
+    return nn.Sequential(*(layer for pair in layers for layer in pair))

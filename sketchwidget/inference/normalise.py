@@ -21,6 +21,8 @@ class Normalised:
     ----------
     outline : Outline or None
         Of the head, on the canvas.
+    strokes : list of (n, 2) arrays
+        At their normal place and size.
     places : list of str
         Whereabouts of each stroke; all "inside" where there is no outline.
     face : (256, 256) bool array
@@ -30,6 +32,7 @@ class Normalised:
     """
 
     outline: Outline | None
+    strokes: list[np.ndarray]
     places: list[str]
     face: np.ndarray
     ears: np.ndarray
@@ -53,4 +56,4 @@ def normalise(strokes: Sequence[np.ndarray]) -> Normalised:
         rasterise([stroke for stroke, place in zip(framed, places, strict=True) if place == wanted])
         for wanted in ("inside", "ear")
     )
-    return Normalised(outline, places, face, ears)
+    return Normalised(outline, framed, places, face, ears)

@@ -18,18 +18,24 @@ from ..face.drawing import outline as drawn_outline
 from ..face.tensorfile import read, writing
 from ..geometry.view import View
 from ..sketch import FEATURES, SILHOUETTE, UNNAMED, Sketch
-from .framing import place
+from .framing import Frame, place
+from .matching import shape_code
 from .naming import name_strokes
-from .network import Layout, PixelCNN
-from .normalise import normalise
+from .network import Layout, PixelShapeCNN
+from .normalise import Normalised, normalise
 from .outline import Outline
+from .refinement import LineRefiner
+from .shape_code import ShapeModel, sample
 
-FORMAT = "sketchwidget network 1"
-NETWORKS = {"PixelCNN": "pixelcnn.safetensors"}
+FORMAT = "sketchwidget network 2"
+NETWORKS = ("PixelShapeCNN", "PixelCNN")  # one file: the second is the first without its shape-level input
+_SHIPPED = "pixelshapecnn.safetensors"
 _MOVED_BY_EARS = 1.5  # mm
 # Standard deviations that weights may go to freely, and at most: beyond, heads dent and eyes leave their lids.
 _IDENTITY_LIMIT, _EXPRESSION_LIMIT = (3.0, 5.0), (2.5, 3.5)
 _STANDARD = ("identity_mean", "identity_std", "expression_mean", "expression_std")
+_SHAPE = "shape."
+_SHAPE_FIELDS = ("mean", "core", *_STANDARD)
 
 
 @dataclass(frozen=True)
@@ -59,14 +65,26 @@ class FaceRegressor:
     Parameters
     ----------
     model : FaceModel
-    network : PixelCNN
+    network : PixelShapeCNN
     standard : dict of arrays
         Mean and standard deviation of the weights that the network gives in standardised form: `identity_mean`,
         `identity_std` (p,), `expression_mean`, `expression_std` (q,).
+    shape_model : ShapeModel, optional
+        Codes the lines of a drawing for the network's shape-level input; without it only the pixels count.
+    refine : bool
+        Whether the lines that were named move the network's answer towards them.
     """
 
-    def __init__(self, model: FaceModel, network: PixelCNN, standard: dict[str, np.ndarray]) -> None:
-        self.model = model
+    def __init__(
+        self,
+        model: FaceModel,
+        network: PixelShapeCNN,
+        standard: dict[str, np.ndarray],
+        shape_model: ShapeModel | None = None,
+        refine: bool = True,
+    ) -> None:
+        self.model, self.shape_model = model, shape_model
+        self._refiner = LineRefiner(model, standard) if refine else None
         self._network = network.folded().bfloat16()
         self._network.to(memory_format=torch.channels_last)  # pyright: ignore[reportCallIssue]
         self._standard = standard
@@ -74,6 +92,12 @@ class FaceRegressor:
         corners = model.template.subdivision[model.landmarks].toarray()  # (68, n)
         by_vertex = model.bilinear.basis.reshape(-1, 3, model.bilinear.basis.shape[1])
         self._landmarks = np.einsum("ln,nck->lck", corners, by_vertex).reshape(3 * len(corners), -1)
+
+    @property
+    def sees(self) -> tuple[str, ...]:
+        """What the network takes in: "pixels", "shape" or both."""
+        layout = self._network.layout
+        return ("pixels",) * (layout.convolutions != "none") + ("shape",) * (layout.shape > 0)
 
     def predict(self, sketch: Sketch) -> Face:
         """The head that a drawing shows; an empty one shows the mean face. Raises as `infer` does."""
@@ -99,29 +123,62 @@ class FaceRegressor:
 
     def _infer(self, sketch: Sketch) -> Inference:
         began = time.perf_counter()
-        seen = normalise([segment.points for segment in sketch.segments])
+        strokes = [segment.points for segment in sketch.segments]
+        seen = normalise(strokes)
         drawn = time.perf_counter()
-        identity, expression = self._weights(seen.face, seen.ears)
+        features = self._features(seen)
+        identity, expression = self._weights(features)
         inferred = time.perf_counter()
         face = self.model.face(identity, expression)
         meshed = time.perf_counter()
         view, names = self._find(face, sketch, seen.outline, seen.places)
+        named = time.perf_counter()
         moments = {
             "rasterising": drawn - began,
             "inference": inferred - drawn,
             "mesh": meshed - inferred,
-            "naming": time.perf_counter() - meshed,
+            "naming": named - meshed,
         }
+        if features is not None and seen.outline is not None and (self.shape_model or self._refiner):
+            face = self._by_lines(face, features, seen.strokes, names)
+            view, names = self._find(face, sketch, seen.outline, seen.places)
+            moments["lines"] = time.perf_counter() - named
         return Inference(face, view, names, {step: 1000 * seconds for step, seconds in moments.items()})
 
-    def _weights(self, face_only: np.ndarray, ears: np.ndarray) -> tuple[np.ndarray | None, np.ndarray | None]:
-        """Weights of a drawing whose ears (256, 256) may change the identity, but its landmarks only by 1.5 mm."""
-        if not face_only.any():
+    def _by_lines(
+        self, face: Face, features: list[torch.Tensor], strokes: list[np.ndarray], names: tuple[str, ...]
+    ) -> Face:
+        """The head again, now that the strokes of the normalised drawing have names; ears keep what they changed."""
+        kept = [index for index, name in enumerate(names) if not name.endswith("ear")]
+        strokes, names = [strokes[index] for index in kept], tuple(names[index] for index in kept)
+        identity, expression = face.identity, face.expression
+        if self.shape_model is not None:
+            points = sample(_normalised_lines(face))
+            identity, expression = self._weights(features, shape_code(self.shape_model, points, strokes, names))
+        assert identity is not None and expression is not None
+        if self._refiner is not None:
+            identity, expression = self._limited(*self._refiner(identity, expression, strokes, names))
+        return self.model.face(identity, expression)
+
+    def _features(self, seen: Normalised) -> list[torch.Tensor] | None:
+        """What the branches make of a drawing, without its ears and, if it has any, with them."""
+        if not seen.face.any():
+            return None
+        images = np.stack([seen.face, seen.face | seen.ears] if seen.ears.any() else [seen.face])
+        with torch.inference_mode():
+            return self._network.features(torch.from_numpy(images)[:, None].to(torch.bfloat16))
+
+    def _weights(
+        self, features: list[torch.Tensor] | None, code: np.ndarray | None = None
+    ) -> tuple[np.ndarray | None, np.ndarray | None]:
+        """Weights of a drawing whose ears may change the identity, but its landmarks only by 1.5 mm."""
+        if features is None:
             return None, None
-        if not ears.any():
-            identity, expression = self.weights(face_only[None])
-            return identity[0], expression[0]
-        identities, expressions = self.weights(np.stack([face_only, face_only | ears]))
+        identities, expressions = self._answers(
+            features, code if code is None else np.tile(code, (len(features[0]), 1))
+        )
+        if len(identities) == 1:
+            return identities[0], expressions[0]
         # Landmarks are linear in the identity, so that a share of the change moves them by that share.
         change = identities[1] - identities[0]
         moves = (self._landmarks @ (self.model.bilinear.core @ expressions[0] @ change)).reshape(-1, 3)
@@ -140,26 +197,63 @@ class FaceRegressor:
         guessed = name_strokes([segment.points for segment in sketch.segments], outline, lines, places)
         return view, tuple(new if old == UNNAMED else old for old, new in zip(named, guessed, strict=True))
 
-    def weights(self, images: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Identity (b, p) and expression (b, q) weights of normalised sketch images (b, 256, 256) bool."""
+    def weights(self, images: np.ndarray, codes: np.ndarray | None = None) -> tuple[np.ndarray, np.ndarray]:
+        """Identity and expression weights of normalised sketches.
+
+        Parameters
+        ----------
+        images : (b, 256, 256) bool array
+        codes : (b, p + q) array, optional
+            Of their lines, from the shape model; without it only the pixels count.
+
+        Returns
+        -------
+        identity : (b, p) float32 array
+        expression : (b, q) float32 array
+        """
+        seen = images if self._network.convolutions is not None else codes
+        if seen is None:
+            raise ValueError("this network sees lines only: give it their codes")
         with torch.inference_mode():
-            pixels = torch.from_numpy(images)[:, None].to(torch.bfloat16)
-            identity, expression = (output.float().numpy() for output in self._network(pixels))
+            inputs = torch.from_numpy(seen)
+            features = self._network.features((inputs[:, None] if inputs.ndim == 3 else inputs).to(torch.bfloat16))
+        return self._answers(features, codes if self._network.shape_layers is not None else None)
+
+    def _answers(self, features: list[torch.Tensor], codes: np.ndarray | None) -> tuple[np.ndarray, np.ndarray]:
+        with torch.inference_mode():
+            if codes is None:
+                outputs = self._network.from_pixels(features)
+            else:
+                outputs = self._network.with_shape(features, torch.from_numpy(codes).to(torch.bfloat16))
+            identity, expression = (output.float().numpy() for output in outputs)
         standard = self._standard
-        return (
-            standard["identity_mean"] + standard["identity_std"] * soft_limit(identity, *_IDENTITY_LIMIT),
-            standard["expression_mean"] + standard["expression_std"] * soft_limit(expression, *_EXPRESSION_LIMIT),
+        return self._limited(
+            standard["identity_mean"] + standard["identity_std"] * identity,
+            standard["expression_mean"] + standard["expression_std"] * expression,
         )
 
+    def _limited(self, identity: np.ndarray, expression: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Weights (..., p) and (..., q) that go no further from the mean than heads can."""
+        limited = []
+        for mode, weights, limits in (
+            ("identity", identity, _IDENTITY_LIMIT),
+            ("expression", expression, _EXPRESSION_LIMIT),
+        ):
+            mean, std = self._standard[f"{mode}_mean"], self._standard[f"{mode}_std"]
+            limited.append(mean + std * soft_limit((weights - mean) / std, *limits))
+        return limited[0], limited[1]
+
     @classmethod
-    def load(cls, name: str | None = None, model: FaceModel | None = None) -> FaceRegressor:
-        """A shipped network by name ("PixelCNN", the default), or one from a file by its path.
+    def load(cls, name: str | None = None, model: FaceModel | None = None, refine: bool = True) -> FaceRegressor:
+        """A shipped network by name ("PixelShapeCNN", the default, or "PixelCNN"), or one from a file by its path.
 
         Parameters
         ----------
         name : str, optional
         model : FaceModel, optional
             The model that it was trained for; the shipped one by default.
+        refine : bool
+            Whether the lines that were named move the network's answer towards them.
 
         Raises
         ------
@@ -168,8 +262,8 @@ class FaceRegressor:
         ValueError
             If the file is no network, is damaged, larger than 256 MB, or was trained for another face model.
         """
-        name = name or "PixelCNN"
-        path = Path(str(files("sketchwidget") / "data" / NETWORKS[name])) if name in NETWORKS else Path(name)
+        name = name or NETWORKS[0]
+        path = Path(str(files("sketchwidget") / "data" / _SHIPPED)) if name in NETWORKS else Path(name)
         if not path.is_file():
             raise FileNotFoundError(f"no network {name!r}: it is one of {', '.join(NETWORKS)}, or the path of a file")
         header, tensors = read(path, "network", FORMAT, framework="pt")
@@ -178,11 +272,21 @@ class FaceRegressor:
             raise ValueError(f"{path} was trained for another face model; train it anew, or give the model it is for")
         try:
             standard = {key: tensors.pop(key).numpy() for key in _STANDARD}
-            network = PixelCNN(model.identity_size, model.expression_size, Layout.from_json(header["layout"]))
+            shape = ShapeModel(**{key: tensors.pop(_SHAPE + key).float().numpy() for key in _SHAPE_FIELDS})
+            network = PixelShapeCNN(model.identity_size, model.expression_size, Layout.from_json(header["layout"]))
             network.load_state_dict(tensors)
         except (KeyError, TypeError, ValueError, RuntimeError) as error:
             raise ValueError(f"{path} is a damaged network: {error}") from error
-        return cls(model, network, standard)
+        pixels_only = name == "PixelCNN" or not network.layout.shape
+        return cls(model, network, standard, None if pixels_only else shape, refine)
+
+
+def _normalised_lines(face: Face) -> dict[str, np.ndarray]:
+    """A head's lines by name, projected and normalised by its outline as drawings are."""
+    lines = {name: View().project(face.curve(name)) for name in FEATURES}
+    lines[SILHOUETTE] = drawn_outline(View().project(face.curve(SILHOUETTE)))
+    frame = Frame.of_outline(lines[SILHOUETTE])
+    return {name: frame(line) for name, line in lines.items()}
 
 
 def soft_limit(values: np.ndarray, free: float, most: float) -> np.ndarray:
@@ -194,9 +298,9 @@ def soft_limit(values: np.ndarray, free: float, most: float) -> np.ndarray:
 
 def save_network(
     path: str | os.PathLike[str],
-    network: PixelCNN,
-    layout: Layout,
+    network: PixelShapeCNN,
     standard: dict[str, np.ndarray],
+    shape_model: ShapeModel,
     model: FaceModel,
     provenance: dict[str, str],
 ) -> None:
@@ -206,6 +310,9 @@ def save_network(
         for name, tensor in network.state_dict().items()
     }
     tensors |= {name: torch.from_numpy(standard[name]) for name in _STANDARD}
-    header = {"format": FORMAT, "layout": layout.to_json(), "face_model": model.fingerprint, **provenance}
+    for name in _SHAPE_FIELDS:
+        kind = torch.float16 if name == "core" else torch.float32
+        tensors[_SHAPE + name] = torch.from_numpy(getattr(shape_model, name)).to(kind)
+    header = {"format": FORMAT, "layout": network.layout.to_json(), "face_model": model.fingerprint, **provenance}
     with writing(Path(path)):
         save_file({name: tensor.contiguous() for name, tensor in tensors.items()}, path, header)

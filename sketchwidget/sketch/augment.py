@@ -7,7 +7,7 @@ import numpy as np
 
 from .moving_least_squares import affine, similarity
 from .names import kind
-from .polyline import arc_length, resample
+from .polyline import arc_length, resample, resample_each
 from .sketch import Segment, Sketch
 
 _RANK = {"silhouette": 0, "feature": 1, "unnamed": 1, "wrinkle": 2}  # the order in which people draw a face
@@ -80,18 +80,20 @@ def deform_lines(sketch: Sketch, random: np.random.Generator, local: float = 0.0
     Sketch
         The same names and numbers of points; what was closed is closed.
     """
-    lines = [_bent(segment.points, local, random) for segment in sketch.segments]
+    points = [segment.points for segment in sketch.segments]
+    lines = [_bent(line, three, local, random) for line, three in zip(points, resample_each(points, 3), strict=True)]
     if lines:
         lines = _warped(lines, overall, random)
     return Sketch(tuple(Segment(old.name, line) for old, line in zip(sketch.segments, lines, strict=True)))
 
 
-def _bent(points: np.ndarray, amount: float, random: np.random.Generator) -> np.ndarray:
+def _bent(points: np.ndarray, three: np.ndarray, amount: float, random: np.random.Generator) -> np.ndarray:
+    """A line that follows its ends and its middle, `three` (3, 2), which move."""
     noise = random.normal(0.0, amount, (3, 2))
     length = float(arc_length(points)[-1])
     if length == 0.0:
         return points + noise[0]
-    controls = resample(points, 3).astype(np.float64)
+    controls = three.astype(np.float64)
     straightness = float(np.linalg.norm(controls[2] - controls[0])) / length
     if straightness == 0.0:
         return points

@@ -18,6 +18,15 @@ from .wobble import misplace, trim, wobble
 
 Lines = Mapping[str, np.ndarray]
 
+PARTS = ("outline", "brows", "eyes", "nose", "mouth", "ears")
+PART_LINES = {
+    "brows": ("left_brow", "right_brow"),
+    "eyes": ("left_eye_upper", "left_eye_lower", "right_eye_upper", "right_eye_lower"),
+    "nose": ("nose",),
+    "mouth": ("mouth_upper", "mouth_lower", "lip_upper", "lip_lower"),
+    "ears": ("left_ear", "right_ear"),
+}
+
 _CLOSED_MOUTH = 0.012  # of the canvas: lips nearer than this are drawn as one line
 _CLOSED_EYE = 0.2  # height over width
 
@@ -43,13 +52,27 @@ class Hand:
     shorthand: float = 0.5
     extras: float = 0.25
 
+    def intend(self, lines: Lines, random: np.random.Generator) -> dict[str, np.ndarray]:
+        """The lines of a face where this hand means to put them: features out of place, the head more of an oval."""
+        intended = dict(lines)
+        together = random.normal(0, 2 * self.misplacement, 2) * [0.5, 1.0]
+        for members in PART_LINES.values():
+            names = [name for name in members if name in lines]
+            moved = misplace([lines[name] for name in names], self.misplacement, 8 * self.misplacement, random)
+            intended |= {name: line + together for name, line in zip(names, moved, strict=True)}
+        silhouette = lines[SILHOUETTE]
+        if random.random() < self.shorthand:
+            silhouette = silhouette + random.uniform(0.2, 1.0) * (_oval(silhouette) - silhouette)
+        return intended | {SILHOUETTE: silhouette}
+
     def draw(self, lines: Lines, parts: set[str], random: np.random.Generator) -> dict[str, list[np.ndarray]]:
         """Strokes by part: the given parts of a face, drawn once in some manner.
 
         Parameters
         ----------
         lines : mapping of (n, 2) arrays
-            A face's lines on the canvas, by name; `lip_upper` and `lip_lower` are the outer contour of the lips.
+            A face's lines on the canvas as `intend` gives them, by name; `lip_upper` and `lip_lower` are the outer
+            contour of the lips.
         parts : set of str
             Which of "outline", "brows", "eyes", "nose", "mouth" and "ears" to draw.
         random : numpy Generator
@@ -61,21 +84,15 @@ class Hand:
         """
         drawers = {"brows": _brows, "eyes": _eyes, "nose": _nose, "mouth": _mouth, "ears": _ears}
         drawn = {part: drawers[part](lines, random, self.shorthand) for part in sorted(parts - {"outline"})}
-        stretch = 8 * self.misplacement
-        drawn = {part: misplace(strokes, self.misplacement, stretch, random) for part, strokes in drawn.items()}
-        together = random.normal(0, 2 * self.misplacement, 2) * [0.5, 1.0]
-        drawn = {part: [stroke + together for stroke in strokes] for part, strokes in drawn.items()}
         if "outline" in parts:
-            drawn["outline"] = _outline(lines[SILHOUETTE], random, self.shorthand)
+            drawn["outline"] = _outline(lines[SILHOUETTE], random)
         if random.random() < self.extras:
             drawn["extras"] = _extras(lines[SILHOUETTE], random)
         tremor = self.tremor * random.exponential()
         return {part: [wobble(stroke, tremor, random) for stroke in strokes] for part, strokes in drawn.items()}
 
 
-def _outline(points: np.ndarray, random: np.random.Generator, shorthand: float) -> list[np.ndarray]:
-    if random.random() < shorthand:
-        points = points + random.uniform(0.2, 1.0) * (_oval(points) - points)
+def _outline(points: np.ndarray, random: np.random.Generator) -> list[np.ndarray]:
     manner = random.random()
     if manner < 0.12:  # open at the top, where hair would be
         first = int(random.uniform(0.06, 0.2) * len(points))

@@ -1,96 +1,112 @@
-"""How far inferred heads are from the true ones, in millimetres."""
+"""How far inferred heads are from the true ones, in millimetres: the rows of the paper's Table 2."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 from tqdm import tqdm
 
-from ..face.bilinear import fit
-from ..face.model import FaceModel
+from ..database.database import DatabaseFace
 from ..face.template import PARTS as HEAD_PARTS
+from ..geometry.view import View
 from ..inference.regressor import FaceRegressor
-from ..sketch.hand import Hand
-from .examples import PARTS, Variety, draw_example
-from .face_table import FaceTable
+from ..sketch.hand import PARTS, Hand
+from .examples import noisy_view
+from .manners import Drawn, Manner, draw
+from .pipeline import Pipeline
 
-CLEAN = Variety(view=0.0, hand=None)
-AUGMENTED = Variety(view=2.5, hand=Hand(tremor=0.004, misplacement=0.004, shorthand=0.0, extras=0.1))
-_MISSING = 0.1  # share of the parts that augmented drawings lack
+_VIEW = 2.5  # degrees of noise, in all but exact drawings
+_BATCH = 50
+
+Weights = tuple[np.ndarray, np.ndarray]
+Method = Callable[["TestSet"], Weights]
 
 
 @dataclass(frozen=True)
-class UnseenFaces:
-    """Faces with their true meshes, seen by neither model nor network or at least not by the network.
+class TestSet:
+    """Faces that networks did not train on, and one drawing of each.
 
     Parameters
     ----------
-    table : FaceTable
-    heads : (i, e, n, 3) array
-        Coarse vertices in the frame ``scale * (heads - origin)``.
-    scale : float
-    origin : (3,) array
-    chosen : (m, 2) int array
-        Identity and expression of each test face.
+    faces : list of DatabaseFace
+    drawn : list of Drawn
+    codes : (m, p + q) array
+        Of the lines of each drawing.
     """
 
-    table: FaceTable
-    heads: np.ndarray
-    scale: float
-    origin: np.ndarray
-    chosen: np.ndarray
+    faces: list[DatabaseFace]
+    drawn: list[Drawn]
+    codes: np.ndarray
 
 
-def vertex_errors(
-    model: FaceModel,
-    faces: UnseenFaces,
-    predict: Callable[[int, int, np.ndarray], tuple[np.ndarray, np.ndarray] | None],
-) -> np.ndarray:
-    """Mean distance (m,), in mm, between true and predicted skin vertices of each test face.
+def test_set(pipeline: Pipeline, split: str, manner: Manner, count: int, wrinkles: bool = True) -> TestSet:
+    """Faces of a split, drawn in a manner; the same arguments give the same drawings."""
+    table, view, random = pipeline.table, View(), np.random.default_rng(0)
+    faces, drawn = [], []
+    for number in pipeline.unseen(split, count):
+        row, expression = divmod(int(number), len(pipeline.database.expressions))
+        points = table.points[row, expression].astype(np.float32)
+        seen_from = view if manner is Manner.EXACT else noisy_view(_VIEW, random)
+        lines, front = table.lines(seen_from.project(points)), table.lines(view.project(points))
+        folds = table.wrinkles[row, expression] if wrinkles else None
+        drawn.append(draw(manner, lines, set(PARTS), folds, front, Hand(), random))
+        faces.append(pipeline.database[int(number)])
+    codes = pipeline.shape_model.encode(np.stack([one.points for one in drawn]), np.stack([one.seen for one in drawn]))
+    return TestSet(faces, drawn, codes)
 
-    Parameters
-    ----------
-    model : FaceModel
-    faces : UnseenFaces
-    predict : callable
-        From identity, expression and the true coarse mesh (n, 3) to weights u and v; None stands for the mean mesh.
+
+test_set.__test__ = False  # not one of pytest's
+
+
+def vertex_errors(faces: list[DatabaseFace], weights: Weights | None) -> np.ndarray:
+    """Mean distance (m,), in mm, of the skin's vertices from those that weights (m, p) and (m, q) give.
+
+    Without weights, from those of the mean face.
     """
-    skin = model.template.subdivision[model.template.fine_parts == HEAD_PARTS.index("skin")]
+    model = faces[0].face.model
+    skin = model.template.fine_parts == HEAD_PARTS.index("skin")
     errors = []
-    for identity, expression in tqdm(faces.chosen, unit="face", leave=False):
-        truth = faces.scale * (faces.heads[identity, expression] - faces.origin.astype(np.float32))
-        weights = predict(identity, expression, truth)
-        bilinear = model.bilinear
-        code = 0 if weights is None else bilinear.basis @ (bilinear.core @ weights[1] @ weights[0])
-        difference = truth - (bilinear.mean + code).reshape(-1, 3)
-        errors.append(np.linalg.norm(skin @ difference, axis=1).mean())
+    for number, face in enumerate(faces):
+        found = model.mean if weights is None else model.vertices(weights[0][number], weights[1][number])
+        errors.append(np.linalg.norm(face.vertices[skin] - found[skin], axis=1).mean())
     return np.array(errors)
 
 
-def compare(regressor: FaceRegressor, faces: UnseenFaces, seed: int = 0) -> dict[str, float]:
-    """Mean vertex error in mm of the mean face, of the best fit that the model can hold, and of the network.
+def inferred(regressor: FaceRegressor, tests: TestSet, with_shape: bool) -> Weights:
+    """Identity (m, p) and expression (m, q) weights of the drawings of a test set."""
+    found = []
+    for start in tqdm(range(0, len(tests.drawn), _BATCH), unit="batch", leave=False):
+        images = np.stack([one.image for one in tests.drawn[start : start + _BATCH]])
+        found.append(regressor.weights(images, tests.codes[start : start + _BATCH] if with_shape else None))
+    identities, expressions = (np.concatenate(parts) for parts in zip(*found, strict=True))
+    return identities, expressions
 
-    The network's on exact drawings ("clean") and on drawings with a noisy view, bent and missing lines ("augmented").
-    """
-    model = regressor.model
 
-    def drawn(variety: Variety, missing: float) -> Callable[[int, int, np.ndarray], tuple[np.ndarray, np.ndarray]]:
-        random = np.random.default_rng(seed)
+def methods_of(name: str, regressor: FaceRegressor) -> dict[str, Method]:
+    """The answers of a network: of its pixels and, if it has that input, with the shape of the lines."""
+    path = Path(name)
+    title = path.stem if path.suffix else name
+    pixels, shape = (lambda tests: inferred(regressor, tests, False), lambda tests: inferred(regressor, tests, True))
+    if regressor.sees == ("shape",):
+        return {title: shape}
+    if regressor.shape_model is None:
+        return {title: pixels}
+    return {f"{title}, pixels alone": pixels, title: shape}
 
-        def predict(identity: int, expression: int, truth: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-            lines = faces.table.lines(faces.table.points[identity, expression].astype(np.float32))
-            parts = {part for part in PARTS if part == "outline" or random.random() >= missing}
-            identities, expressions = regressor.weights(draw_example(lines, parts, variety, random)[None])
-            return identities[0], expressions[0]
 
-        return predict
-
-    methods = {
-        "mean face": lambda identity, expression, truth: None,
-        "best fit in 3D": lambda identity, expression, truth: fit(model.bilinear, truth.ravel()),
-        "PixelCNN, clean": drawn(CLEAN, 0.0),
-        "PixelCNN, augmented": drawn(AUGMENTED, _MISSING),
-    }
-    return {name: float(vertex_errors(model, faces, predict).mean()) for name, predict in methods.items()}
+def compare(pipeline: Pipeline, methods: Mapping[str, Method], split: str, count: int) -> dict[str, dict[str, float]]:
+    """Mean vertex error in mm of the mean face, of the best fit that the model can hold, and of methods, by manner."""
+    model = pipeline.database.model
+    faces = [pipeline.database[int(number)] for number in pipeline.unseen(split, count)]
+    best = [model.fit(face.vertices) for face in tqdm(faces, desc=f"best fits, {split}", unit="face", leave=False)]
+    floor = (np.stack([u for u, _ in best]), np.stack([v for _, v in best]))
+    references = {"mean face": vertex_errors(faces, None), "best fit in 3D": vertex_errors(faces, floor)}
+    manners = {}
+    for manner in Manner:
+        tests = test_set(pipeline, split, manner, count)
+        errors = references | {name: vertex_errors(faces, method(tests)) for name, method in methods.items()}
+        manners[manner.value] = {name: float(error.mean()) for name, error in errors.items()}
+    return manners

@@ -1,4 +1,4 @@
-"""Training examples without end: a face, drawn by one of many hands, and what it should become."""
+"""Training examples without end: a face, drawn in one of many manners, and what it should become."""
 
 from __future__ import annotations
 
@@ -10,14 +10,13 @@ import numpy as np
 from torch.utils.data import IterableDataset, get_worker_info
 
 from ..geometry.view import View
-from ..inference.framing import Frame
-from ..sketch import SILHOUETTE, rasterise
-from ..sketch.hand import Hand
-from .face_table import FaceTable, Reshaping
+from ..inference.shape_code import ShapeModel
+from ..sketch.hand import PARTS, Hand
+from .drawings import DrawnExamples
+from .face_table import FaceTable
+from .manners import Drawn, Manner, draw
+from .reshaping import Reshaping
 
-Stored = tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]
-
-PARTS = ("outline", "brows", "eyes", "nose", "mouth", "ears")
 _RARE = {"cheek_puff": 0.2, "blowfish": 0.2}  # how often, others always: people draw jaws, not puffed cheeks
 _QUIET_MOUTHS = ("neutral", "eyes_closed")  # what a face without a drawn mouth may be doing
 
@@ -28,79 +27,136 @@ class Variety:
 
     Parameters
     ----------
+    manners : dict of float
+        Share of each `Manner`.
+    wrinkles : float
+        Share of drawings with wrinkle lines.
+    mixed : float
+        Share of faces between two people or two expressions.
     partial : float
-        Share of drawings that have only some of their parts.
+        Share of the freehand drawings that have only some of their parts.
     missing : float
         Chance that a part is missing from the others.
     view : float
-        Noise of the view, degrees.
-    hand : Hand or None
-        Who draws; None draws every line exactly.
+        Noise of the view, degrees, in all but exact drawings.
+    hand : Hand
+        Who draws freehand.
+    people : float
+        Share of examples that are drawings by people, where there are some.
     """
 
+    manners: dict[Manner, float] = field(
+        default_factory=lambda: {Manner.EXACT: 0.3, Manner.AUGMENTED: 0.35, Manner.FREEHAND: 0.35}
+    )
+    wrinkles: float = 0.75
+    mixed: float = 0.4
     partial: float = 0.4
     missing: float = 0.06
     view: float = 2.5
-    hand: Hand | None = field(default_factory=Hand)
+    hand: Hand = field(default_factory=Hand)
+    people: float = 0.1
+
+
+@dataclass(frozen=True)
+class _Face:
+    """A face of the table, or a mixture of some: its lines and those of the same identity at rest, code and pose."""
+
+    points: np.ndarray
+    rest: np.ndarray
+    code: np.ndarray
+    pose: np.ndarray
+
+    def mixed(self, other: _Face, share: float) -> _Face:
+        mine, others = vars(self).values(), vars(other).values()
+        return _Face(*(one + share * (two - one) for one, two in zip(mine, others, strict=True)))
 
 
 class Examples(IterableDataset):
-    """Batches of sketches with the codes and the expression weights of their faces.
+    """Batches of sketches with their shape codes, the codes and the expression weights of their faces.
 
     Parameters
     ----------
     table : FaceTable
+    kept : (m,) int array
+        Faces to draw, as numbers of the database: person after person, each in all expressions.
     expressions : list of str
     poses : (e, q) array
         Standardised weights of each expression.
+    shape_model : ShapeModel
     variety : Variety
     batch : int
     seed : int
     start : int
         Number of batches already seen; every batch has a seed of its own, so that training resumes where it was.
-    left_out : (i, e) bool array, optional
-        Faces never drawn from.
+    stride : int
+        Of every so many batches this takes one: the number of processes that train together.
     reshaping : Reshaping, optional
-        Gives half of the faces other proportions than the table's.
+        Gives half of the freehand drawings' faces other proportions than the table's.
+    people : DrawnExamples, optional
+        Drawings by people.
     """
 
     def __init__(
         self,
         table: FaceTable,
+        kept: np.ndarray,
         expressions: list[str],
         poses: np.ndarray,
+        shape_model: ShapeModel,
         variety: Variety,
         batch: int,
         seed: int,
         start: int = 0,
-        left_out: np.ndarray | None = None,
+        stride: int = 1,
         reshaping: Reshaping | None = None,
+        people: DrawnExamples | None = None,
     ) -> None:
-        self.table, self.variety, self.batch, self.seed, self.start = table, variety, batch, seed, start
+        self.table, self.variety, self.batch, self.seed = table, variety, batch, seed
+        self.start, self.stride = start, stride
+        self._kept = kept
+        self._by_expression = [kept[kept % len(expressions) == expression] for expression in range(len(expressions))]
         self._neutral = expressions.index("neutral")
         self._quiet = [expressions.index(name) for name in _QUIET_MOUTHS if name in expressions]
         self._frequency = np.array([_RARE.get(name, 1.0) for name in expressions])
         self._poses = poses.astype(np.float32)
-        self._left_out = np.zeros(table.codes.shape[:2], dtype=bool) if left_out is None else left_out
-        self._reshaping = reshaping
-        self._mean_code = table.codes[:, self._neutral].mean(axis=0)
-        self._mean_points = table.points[:, self._neutral].astype(np.float32).mean(axis=0)
+        self._shape_model, self._reshaping, self._people = shape_model, reshaping, people
+        self._manners, self._shares = list(variety.manners), list(variety.manners.values())
 
-    def __iter__(self) -> Iterator[tuple[np.ndarray, np.ndarray, np.ndarray]]:
+    def __iter__(self) -> Iterator[tuple[np.ndarray, ...]]:
         worker = get_worker_info()
-        number, step = (self.start, 1) if worker is None else (self.start + worker.id, worker.num_workers)
+        first, step = (0, 1) if worker is None else (worker.id, worker.num_workers)
+        number = self.start + self.stride * first
         while True:
-            random = np.random.default_rng([self.seed, number])
-            made = [self.example(random) for _ in range(self.batch)]
-            images, codes, poses = (np.stack(values) for values in zip(*made, strict=True))
-            yield images[:, None], codes, poses
-            number += step
+            yield self.numbered(number)
+            number += self.stride * step
 
-    def example(self, random: np.random.Generator) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """One sketch (256, 256) bool, and the code (k,) and expression weights (q,) of its face."""
-        parts = self._parts(random)
-        points, code, pose = self._face(random, quiet="mouth" not in parts)
-        return draw_example(self.table.lines(points), parts, self.variety, random), code, pose
+    def numbered(self, number: int) -> tuple[np.ndarray, ...]:
+        """Batch `number`: images (b, 1, 256, 256) bool, shape codes (b, p + q), face codes (b, k), poses (b, q)."""
+        random = np.random.default_rng([self.seed, number])
+        made = [self.example(random) for _ in range(self.batch)]
+        drawn = [one for one, _, _ in made]
+        shapes = self._shape_model.encode(
+            np.stack([one.points for one in drawn]), np.stack([one.seen for one in drawn])
+        )
+        images = np.stack([one.image for one in drawn])[:, None]
+        return images, shapes, np.stack([code for _, code, _ in made]), np.stack([pose for _, _, pose in made])
+
+    def example(self, random: np.random.Generator) -> tuple[Drawn, np.ndarray, np.ndarray]:
+        """One drawing, and the code (k,) and expression weights (q,) of its face."""
+        if self._people is not None and random.random() < self.variety.people:
+            return self._people.example(random)
+        manner = self._manners[int(random.choice(len(self._manners), p=self._shares))]
+        freehand = manner is Manner.FREEHAND
+        parts: set[str] = self._parts(random) if freehand else set(PARTS)
+        row, face = self._face(random, quiet="mouth" not in parts, freehand=freehand)
+        points = self._overdrawn(face, random) if freehand else face.points
+        wrinkles = (
+            self.table.wrinkles[divmod(row, len(self._poses))] if random.random() < self.variety.wrinkles else None
+        )
+        view = View() if manner is Manner.EXACT else noisy_view(self.variety.view, random)
+        projected = self.table.lines(view.project(points))
+        front = self.table.lines(View().project(self._stored(row).points))
+        return draw(manner, projected, parts, wrinkles, front, self.variety.hand, random), face.code, face.pose
 
     def _parts(self, random: np.random.Generator) -> set[str]:
         if random.random() < self.variety.partial:
@@ -109,37 +165,33 @@ class Examples(IterableDataset):
             return chosen | ({"outline"} if outline else set())
         return {part for part in PARTS if random.random() >= self.variety.missing}
 
-    def _face(self, random: np.random.Generator, quiet: bool) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Line points (p, 3), code and expression weights of a face: one of the table, or a mixture of some."""
-        identity, expression = self._pick(random)
+    def _face(self, random: np.random.Generator, quiet: bool, freehand: bool) -> tuple[int, _Face]:
+        """Number of a face and that face, or a mixture of it and others of which it is the most."""
+        row = self._pick(random)
         if quiet:
-            expression = self._quiet[-int(random.random() < 0.15)]
-        points, rest, code, pose = self._stored(identity, expression)
-        if not quiet and random.random() < 0.35:  # a weaker expression, or one between two
-            other = self._neutral if random.random() < 0.6 else self._pick(random)[1]
-            points, rest, code, pose = _mix(
-                (points, rest, code, pose), self._stored(identity, other), random.uniform(0.0, 0.7)
-            )
-        if random.random() < 0.3:  # somebody between two people
-            other = self._stored(self._pick(random)[0], expression)
-            points, rest, code, pose = _mix((points, rest, code, pose), other, random.uniform(0.0, 0.5))
-        if random.random() < 0.15:  # an exaggerated face
-            more = random.uniform(0.1, 0.5)
-            _, own, own_code, _ = self._stored(identity, self._neutral)
-            points, rest = points + more * (own - self._mean_points), rest + more * (own - self._mean_points)
-            code = code + more * (own_code - self._mean_code)
-        if self._reshaping is not None and random.random() < 0.5:
+            row += self._quiet[-int(random.random() < 0.15)] - row % len(self._poses)
+        face = self._stored(row)
+        expression = row % len(self._poses)
+        if not quiet and random.random() < self.variety.mixed:  # a weaker expression, or one between two
+            other = self._neutral if random.random() < 0.6 else self._pick(random) % len(self._poses)
+            most = 0.7 if freehand else 0.5
+            face = face.mixed(self._stored(row - expression + other), random.uniform(0.0, most))
+        if random.random() < self.variety.mixed:  # somebody between two people
+            rivals = self._by_expression[expression]
+            other = int(rivals[random.integers(len(rivals))]) if len(rivals) else row
+            face = face.mixed(self._stored(other), random.uniform(0.0, 0.5))
+        if freehand and self._reshaping is not None and random.random() < 0.5:
             ratio = math.exp(random.normal(0.07, 0.13) / 2)  # of width and height, the area kept
             jaw, crown = random.normal(0.0, 0.2), random.normal(0.0, 0.07)
             amounts = {"width": ratio - 1, "height": 1 / ratio - 1, "jaw": jaw, "crown": crown}
-            rest, _ = self._reshaping(rest, code, amounts)
-            points, code = self._reshaping(points, code, amounts)
-        return self._overdrawn(points, rest, random), code, pose
+            rest, _ = self._reshaping(face.rest, face.code, amounts)
+            points, code = self._reshaping(face.points, face.code, amounts)
+            face = _Face(points, rest, code, face.pose)
+        return row, face
 
-    def _overdrawn(self, points: np.ndarray, rest: np.ndarray, random: np.random.Generator) -> np.ndarray:
+    def _overdrawn(self, face: _Face, random: np.random.Generator) -> np.ndarray:
         """Points (p, 3) with the expression of brows and mouth drawn stronger than it is, as people do."""
-        drawn = self.table.lines(points)
-        at_rest = self.table.lines(rest)
+        drawn, at_rest = self.table.lines(face.points), self.table.lines(face.rest)
         for ending, most in (("brow", 2.8), ("mouth", 1.5)):
             if random.random() < 0.5:
                 factor = random.uniform(1.0, most)
@@ -148,44 +200,25 @@ class Examples(IterableDataset):
                         drawn[name] = at_rest[name] + factor * (drawn[name] - at_rest[name])
         return np.concatenate(list(drawn.values()))
 
-    def _stored(self, identity: int, expression: int) -> Stored:
-        """Line points (p, 3) of a face and of the same identity at rest, the face's code and its expression weights."""
-        points = self.table.points[identity]
-        return (
+    def _stored(self, row: int) -> _Face:
+        person, expression = divmod(row, len(self._poses))
+        points = self.table.points[person]
+        return _Face(
             points[expression].astype(np.float32),
             points[self._neutral].astype(np.float32),
-            self.table.codes[identity, expression],
+            self.table.codes[person, expression],
             self._poses[expression],
         )
 
-    def _pick(self, random: np.random.Generator) -> tuple[int, int]:
+    def _pick(self, random: np.random.Generator) -> int:
         while True:
-            identity, expression = (int(random.integers(size)) for size in self._left_out.shape)
-            if not self._left_out[identity, expression] and random.random() < self._frequency[expression]:
-                return identity, expression
+            row = int(self._kept[random.integers(len(self._kept))])
+            if random.random() < self._frequency[row % len(self._poses)]:
+                return row
 
 
-def _mix(face: Stored, other: Stored, share: float) -> Stored:
-    points, rest, code, pose = (one + share * (two - one) for one, two in zip(face, other, strict=True))
-    return points, rest, code, pose
-
-
-def draw_example(
-    lines: dict[str, np.ndarray], parts: set[str], variety: Variety, random: np.random.Generator
-) -> np.ndarray:
-    """A face's lines (n, 3), in millimetres, drawn and normalised as a network sees them: (256, 256) bool."""
-    view = _noisy_view(variety.view, random)
-    projected = {name: view.project(line) for name, line in lines.items()}
-    if variety.hand is None:
-        drawn = {"outline": [projected.pop(SILHOUETTE)], "inside": list(projected.values())}
-    else:
-        drawn = variety.hand.draw(projected, parts, random)
-    frame = Frame.of_outline(np.concatenate(drawn["outline"])) if "outline" in drawn else Frame()
-    strokes = [frame(stroke) for part in drawn.values() for stroke in part]
-    return rasterise(strokes)
-
-
-def _noisy_view(degrees: float, random: np.random.Generator) -> View:
+def noisy_view(degrees: float, random: np.random.Generator) -> View:
+    """The front view, turned about each axis by normal angles of that standard deviation."""
     yaw, pitch, roll = np.radians(random.normal(0.0, degrees, 3))
     cx, sx, cy, sy, cz, sz = np.cos(pitch), np.sin(pitch), np.cos(yaw), np.sin(yaw), np.cos(roll), np.sin(roll)
     about_x = np.array([[1, 0, 0], [0, cx, -sx], [0, sx, cx]])

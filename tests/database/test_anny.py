@@ -6,7 +6,6 @@ import pytest
 from sketchwidget.database import anny as anny_module
 from sketchwidget.database.anny import AnnySource
 from sketchwidget.face import PARTS
-from sketchwidget.training.face_model import pose_heads
 
 
 @pytest.fixture(scope="module")
@@ -57,9 +56,9 @@ def test_pose_is_transferred_rather_than_added(source):
     assert np.abs((head[closed] - head[0]) - (other[closed] - other[0])).max() > 0.3
 
 
-def test_processes_do_not_change_the_heads(source, tmp_path):
-    alone = pose_heads(source, range(3), tmp_path / "alone.npy")
-    np.testing.assert_array_equal(pose_heads(source, range(3), tmp_path / "together.npy", jobs=2), alone)
+def test_a_resting_face_is_as_it_is_among_the_others(source):
+    for number in (2, 9):
+        np.testing.assert_allclose(source.rest(number), source.heads(number)[0], atol=1e-3)
 
 
 def test_missing_package_says_what_to_install(monkeypatch):

@@ -6,39 +6,37 @@ import dask.distributed
 import joblib
 import numpy as np
 import pytest
+from joblib.externals.loky.process_executor import TerminatedWorkerError
+from small_database import KEPT, ThreeExpressions
 
 from sketchwidget.database import build as building
-from sketchwidget.database.anny import AnnySource
 from sketchwidget.database.build import MODEL, build, prepare
 from sketchwidget.database.contact import Contact
 from sketchwidget.database.database import FaceDatabase
 from sketchwidget.database.store import Heads, Plan, Store
+from sketchwidget.face.bilinear import fit_identity
 from sketchwidget.face.exaggeration import LEVELS
 from sketchwidget.sketch import FEATURES, SILHOUETTE, WRINKLE
 
-KEPT = ("neutral", "smile", "laugh")
 
-
-class ThreeExpressions(AnnySource):
-    def poses(self):
-        return {name: pose for name, pose in super().poses().items() if name in KEPT}
+@pytest.fixture(scope="module")
+def source(three_expressions):
+    return three_expressions
 
 
 @pytest.fixture(scope="module")
-def source():
-    return ThreeExpressions()
+def database(small_folder):
+    return FaceDatabase.open(small_folder)
 
 
 @pytest.fixture(scope="module")
-def folder(source, tmp_path_factory):
-    out = tmp_path_factory.mktemp("built") / "faces"
-    build(source, out, identities=3, interpolated=5)
-    return out
-
-
-@pytest.fixture(scope="module")
-def database(folder):
-    return FaceDatabase.open(folder)
+def larger_than_its_model(source, tmp_path_factory):
+    """Three identities, of which the model is made of two."""
+    out = tmp_path_factory.mktemp("larger") / "faces"
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(building, "MODEL_IDENTITIES", 2)
+        build(source, out, identities=3, interpolated=5)
+    return FaceDatabase.open(out)
 
 
 def test_every_identity_is_there_at_every_level_in_every_expression(database):
@@ -66,9 +64,48 @@ def test_weights_give_the_face_back(database):
     for number in (0, 17, 35):
         face = database[number]
         error = np.linalg.norm(database.model.face(*face.weights).vertices - face.vertices, axis=1)
-        assert (
-            error.mean() < 0.3
-        )  # mm; 12 people and 3 expressions are within the rank, and half precision is not exact
+        # 12 people and 3 expressions are within the rank; half precision is not exact.
+        assert error.mean() < 0.3  # mm
+
+
+def test_the_model_s_mean_identity_is_that_of_the_people_as_they_are(database):
+    identities = database.model.bilinear.identities
+    np.testing.assert_allclose(database.model.mean_identity, identities[::LEVELS].mean(axis=0), atol=1e-6)
+    assert np.abs(database.model.mean_identity - identities.mean(axis=0)).max() > 0.01
+
+
+def test_the_model_is_made_of_the_first_identities(larger_than_its_model):
+    assert larger_than_its_model.identities == 3
+    assert larger_than_its_model.model.bilinear.identities.shape[0] == 2 * LEVELS
+    assert larger_than_its_model.model.identity_size == 2 * LEVELS
+
+
+@pytest.mark.parametrize("level", [1, 4])
+def test_weights_of_an_identity_that_the_model_does_not_know_are_fitted(larger_than_its_model, level):
+    model = larger_than_its_model.model
+
+    def error(identity):
+        found = [model.vertices(identity, face.weights[1]) - face.vertices for face in faces]
+        return np.linalg.norm(found, axis=2).mean()
+
+    faces = [larger_than_its_model[larger_than_its_model.index(2, name, level)] for name in KEPT]
+    identity = faces[0].weights[0]
+    assert all((face.weights[0] == identity).all() for face in faces)
+    assert error(identity) < 4  # mm; two people make a poor model
+    assert error(identity) < min(error(other) for other in (model.mean_identity, *model.bilinear.identities))
+
+
+def test_fitting_somebody_whom_the_model_knows_gives_their_weights(database):
+    model = database.model.bilinear
+    meshes = database.person(1, 3).reshape(3, -1)
+    # The basis is kept in half precision.
+    np.testing.assert_allclose(fit_identity(model, meshes, model.expressions), model.identities[6], atol=0.02)
+
+
+def test_the_identity_split_leaves_out_whom_the_model_does_not_know(larger_than_its_model):
+    for seed in range(5):
+        _, test = larger_than_its_model.split("identity", seed)
+        assert {larger_than_its_model[int(number)].identity for number in test} == {2}
 
 
 def test_a_face_is_drawn_with_all_its_lines(database):
@@ -131,6 +168,50 @@ def test_a_build_that_was_stopped_goes_on_and_gives_the_same_faces(source, datab
     assert FaceDatabase.open(tmp_path / "faces").sum == database.sum
 
 
+def test_what_goes_wrong_with_an_identity_names_it(source, tmp_path, monkeypatch):
+    heads = source.heads
+
+    def spiky(number):
+        if number == 1:
+            raise ValueError("a spike on the nose")
+        return heads(number)
+
+    monkeypatch.setattr(source, "heads", spiky)
+    with pytest.raises(ValueError, match="^identity 1 of the source anny: a spike on the nose$"):
+        build(source, tmp_path / "faces", identities=3, interpolated=0)
+
+
+def test_a_killed_process_tells_to_take_fewer_and_loses_nothing(source, database, tmp_path, monkeypatch):
+    class Killed:
+        def __init__(self, **_):
+            pass
+
+        def __call__(self, goes):
+            function, arguments, _ = next(iter(goes))
+            yield function(*arguments)
+            raise TerminatedWorkerError("SIGKILL(-9)")
+
+    with monkeypatch.context() as patch:
+        patch.setattr(building, "_TOGETHER", 1)
+        patch.setattr(building, "Parallel", Killed)
+        with pytest.raises(OSError, match="a process of the build was killed.*give fewer --jobs; what is built stays"):
+            build(source, tmp_path / "faces", identities=3, interpolated=5)
+    assert Store.open(tmp_path / "faces").missing() == [1, 2]
+    build(source, tmp_path / "faces", identities=3, interpolated=5)
+    assert FaceDatabase.open(tmp_path / "faces").sum == database.sum
+
+
+def test_a_finished_database_is_not_taken_for_that_of_other_heads(small_folder, database):
+    class Others(ThreeExpressions):
+        def identity(self, number):
+            return super().identity(number + 10)
+
+    before = database.sum
+    with pytest.raises(ValueError, match="was begun with other heads than those that the source anny gives now"):
+        build(Others(), small_folder, identities=3, interpolated=5)
+    assert FaceDatabase.open(small_folder).sum == before
+
+
 def test_damaged_files_are_named_and_mended(source, database, tmp_path):
     out = tmp_path / "faces"
     build(source, out, identities=3, interpolated=5)
@@ -144,7 +225,7 @@ def test_damaged_files_are_named_and_mended(source, database, tmp_path):
     np.testing.assert_array_equal(mended[0].vertices, database[0].vertices)
 
 
-def test_what_is_no_database_is_refused(source, folder, tmp_path):
+def test_what_is_no_database_is_refused(source, small_folder, tmp_path):
     with pytest.raises(FileNotFoundError, match="holds no face database: `sketchwidget database --out"):
         FaceDatabase.open(tmp_path / "nowhere")
     (tmp_path / "letters").mkdir()
@@ -153,10 +234,10 @@ def test_what_is_no_database_is_refused(source, folder, tmp_path):
         build(source, tmp_path / "letters", identities=1, interpolated=0)
     assert (tmp_path / "letters" / "dear.txt").read_text() == "reader"
     with pytest.raises(ValueError, match="holds another database, of identities 3, not 4"):
-        build(source, folder, identities=4, interpolated=5)
+        build(source, small_folder, identities=4, interpolated=5)
     description = tmp_path / "cut"
     description.mkdir()
-    (description / "zarr.json").write_text((folder / "zarr.json").read_text()[:100])
+    (description / "zarr.json").write_text((small_folder / "zarr.json").read_text()[:100])
     with pytest.raises(ValueError, match=r"zarr\.json is damaged"):
         FaceDatabase.open(description)
 
@@ -168,7 +249,16 @@ def test_a_source_with_too_few_identities_is_an_error(source, tmp_path, monkeypa
     assert not (tmp_path / "faces").exists()
 
 
-def test_a_dask_cluster_builds_the_same_faces(source, database, tmp_path):
+def test_processes_build_the_same_faces(source, database, tmp_path, monkeypatch):
+    monkeypatch.setattr(building, "_TOGETHER", 1)
+    build(source, tmp_path / "faces", identities=3, interpolated=5, jobs=2)
+    together = FaceDatabase.open(tmp_path / "faces")
+    assert together.sum == database.sum
+    np.testing.assert_array_equal(together.model.mean, database.model.mean)
+
+
+def test_a_dask_cluster_builds_the_same_faces(source, database, tmp_path, monkeypatch):
+    monkeypatch.setattr(building, "_TOGETHER", 1)
     with (
         dask.distributed.LocalCluster(
             n_workers=2, threads_per_worker=1, processes=False, dashboard_address=None
@@ -196,9 +286,9 @@ def test_a_build_killed_while_it_began_goes_on(source, database, tmp_path):
 
 
 @pytest.mark.parametrize("harm", ["flip", "delete"])
-def test_a_face_whose_bytes_changed_is_never_handed_out(folder, tmp_path, harm):
+def test_a_face_whose_bytes_changed_is_never_handed_out(small_folder, tmp_path, harm):
     out = tmp_path / "faces"
-    shutil.copytree(folder, out)
+    shutil.copytree(small_folder, out)
     chunk = chunk_of(out, "vertices")
     content = bytearray(chunk.read_bytes())
     content[len(content) // 2] ^= 4
@@ -207,9 +297,9 @@ def test_a_face_whose_bytes_changed_is_never_handed_out(folder, tmp_path, harm):
         _ = FaceDatabase.open(out)[0].vertices
 
 
-def test_a_damaged_model_is_made_again(source, folder, database, tmp_path):
+def test_a_damaged_model_is_made_again(source, small_folder, database, tmp_path):
     out = tmp_path / "faces"
-    shutil.copytree(folder, out)
+    shutil.copytree(small_folder, out)
     (out / MODEL).write_bytes((out / MODEL).read_bytes()[:5000])
     with pytest.raises(ValueError, match=MODEL):
         FaceDatabase.open(out)

@@ -4,13 +4,15 @@ import json
 
 import numpy as np
 import pytest
+from safetensors import safe_open
 from tiny_head import CURVES, FACES, LANDMARKS, VERTICES, write_obj
+from typer.testing import CliRunner
 
-from sketchwidget import FaceModel
+from sketchwidget import FaceModel, cli
+from sketchwidget.database.build import MODEL, build
+from sketchwidget.database.database import FaceDatabase
 from sketchwidget.database.folder import MeshFolderSource
 from sketchwidget.face import PARTS
-from sketchwidget.training.face_model import build_face_model, pose_heads
-from sketchwidget.training.pipeline import Heads, Pipeline
 
 HEIGHT_MM = 200 / 6  # of one unit: the tiny head's menton is at -2 and its crown at 4
 TOPOLOGY = {
@@ -103,22 +105,62 @@ def test_vertices_in_no_face_are_left_out(folder):
         MeshFolderSource(folder)
 
 
-def test_model_of_it_is_saved_and_draws(folder, tmp_path):
+def test_a_resting_face_is_as_it_is_among_the_others(folder):
+    describe(folder, expressions=["smile", "rest", "shock"])
     source = MeshFolderSource(folder)
-    heads = pose_heads(source, range(3), tmp_path / "heads.npy")
-    build_face_model(source, heads, (3, 3)).save(tmp_path / "face.safetensors", {})
-    model = FaceModel.load(tmp_path / "face.safetensors")
+    for number in range(3):
+        np.testing.assert_allclose(source.rest(number), source.heads(number)[1], atol=1e-3)
+
+
+def test_a_database_of_it_has_its_faces_and_a_model_that_draws(folder, tmp_path):
+    source, out = MeshFolderSource(folder), tmp_path / "faces"
+    build(source, out, identities=3, interpolated=0)
+    model = FaceModel.load(out / MODEL)
     assert not model.template.refined and model.expressions == ["neutral", "smile", "shock"]
-    face = model.face(model.bilinear.identities[2], "shock")
-    assert "silhouette" in face.sketch(wrinkles=False).lines and face.to_bytes("obj")
+    np.testing.assert_array_equal(model.faces, source.template.faces)
+    shock = FaceDatabase.open(out)
+    shock = shock[shock.index(2, "shock")]
+    scale = np.ptp(shock.vertices[:64, 1]) / np.ptp(source.heads(2)[2][:64, 1])
+    np.testing.assert_allclose(np.diff(shock.vertices, axis=0), scale * np.diff(source.heads(2)[2], axis=0), atol=1e-3)
+    np.testing.assert_allclose(model.face(*shock.weights).vertices, shock.vertices, atol=0.1)
+    assert "silhouette" in shock.face.sketch(wrinkles=False).lines and shock.face.to_bytes("obj")
 
 
-def test_pipeline_limits_the_rank_and_writes_no_licence_of_others(folder, tmp_path):
-    pipeline = Pipeline(tmp_path / "work", Heads(model=2, training=2, test=1), source=MeshFolderSource(folder))
-    model = pipeline.build_face(tmp_path / "face.safetensors", "a test")
-    assert (model.identity_size, model.expression_size) == (2, 3)
+def test_the_rank_is_limited_by_people_and_expressions(folder, tmp_path):
+    build(MeshFolderSource(folder), tmp_path / "faces", identities=2, interpolated=0)
+    model = FaceModel.load(tmp_path / "faces" / MODEL)
+    assert (model.identity_size, model.expression_size) == (2 * 4, 3)
+    smaller = FaceDatabase.open(tmp_path / "faces").decompose((5, 2))
+    assert (smaller.identity_size, smaller.expression_size) == (5, 2)
     with pytest.raises(ValueError, match="the source folder has 3 identities; 4 were asked for"):
-        Pipeline(tmp_path / "work", Heads(model=2, training=3, test=1), source=MeshFolderSource(folder))
+        build(MeshFolderSource(folder), tmp_path / "more", identities=4, interpolated=0)
+
+
+def test_a_model_of_it_claims_no_licence_of_others(folder, tmp_path):
+    def run(*arguments):
+        result = CliRunner().invoke(cli.main, [str(argument) for argument in arguments])
+        assert result.exit_code == 0, result.output + repr(result.exception)
+        return result.output
+
+    faces, file = tmp_path / "faces", tmp_path / "face.safetensors"
+    run("database", "--source", "folder", "--path", folder, "--preset", "tiny", "--out", faces)
+    told = run("train", "face", faces, "--out", file, "--identity", "4", "--expression", "3")
+    assert "75 vertices, 4 identity and 3 expression weights" in " ".join(told.split())
+    for path in (file, faces / MODEL):
+        with safe_open(path, "numpy") as opened:
+            header = opened.metadata()
+        assert header["source"] == "folder" and header["licence"] == "that of the faces it was built from"
+        assert "sketchwidget" in header["command"] and "tensorly" in header["versions"]
+    with safe_open(file, "numpy") as opened:
+        assert opened.metadata()["database"] == FaceDatabase.open(faces).sum
+
+
+def test_a_second_folder_of_the_same_topology_is_another_database(folder, tmp_path):
+    build(MeshFolderSource(folder), tmp_path / "faces", identities=3, interpolated=0)
+    for file in (folder / "Tester_1").glob("TrainingPose/*.obj"):
+        write_obj(file, VERTICES * [1.3, 1, 1])
+    with pytest.raises(ValueError, match="was begun with other heads than those that the source folder gives now"):
+        build(MeshFolderSource(folder), tmp_path / "faces", identities=3, interpolated=0)
 
 
 def test_identity_beyond_the_last_is_refused(folder):

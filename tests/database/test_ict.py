@@ -10,10 +10,11 @@ from tiny_head import CURVES, FACES, LANDMARKS, VERTICES, write_obj
 
 from sketchwidget import FaceModel
 from sketchwidget.database import ict
+from sketchwidget.database.build import MODEL, build, prepare
+from sketchwidget.database.database import FaceDatabase
 from sketchwidget.database.ict import ICTFaceKitSource
 from sketchwidget.face import PARTS
 from sketchwidget.sketch import FEATURES, SILHOUETTE
-from sketchwidget.training.face_model import build_face_model, pose_heads
 
 CLONE = Path(__file__).resolve().parents[3] / "shared" / "data" / "ict-facekit"
 MOUTH, LID = 18, 26  # vertices of the tiny head that its blend shapes move
@@ -132,16 +133,23 @@ def test_heads_are_posed_aligned_and_in_millimetres(source):
     assert np.abs(smile - rest)[mouth].max() > 1
 
 
-def test_model_of_it_is_saved_and_draws(source, tmp_path):
-    heads = pose_heads(source, range(3), tmp_path / "heads.npy")
-    build_face_model(source, heads, (3, 3)).save(tmp_path / "face.safetensors", {"licence": "of the test"})
-    model = FaceModel.load(tmp_path / "face.safetensors")
+def test_a_resting_face_is_as_it_is_among_the_others(source):
+    for number in range(2):
+        np.testing.assert_allclose(source.rest(number), source.heads(number)[0], atol=1e-3)
+
+
+def test_a_database_of_it_has_its_faces_and_a_model_that_draws(source, tmp_path):
+    build(source, tmp_path / "faces", identities=3, interpolated=0)
+    database = FaceDatabase.open(tmp_path / "faces")
+    assert database.origin["licence"] == "MIT, from ICT-FaceKit"
+    model = FaceModel.load(tmp_path / "faces" / MODEL)
     assert not model.template.refined and model.expressions == ["neutral", "smile", "wink"]
+    assert (model.identity_size, model.expression_size) == (12, 3)
     np.testing.assert_array_equal(model.faces, source.template.faces)
-    face = model.face(model.bilinear.identities[1], "smile")
-    scale = 200 / (heads[:, 0].mean(axis=0)[:, 1].max() - heads[:, 0].mean(axis=0)[source.template.landmarks[8], 1])
-    wanted = scale * heads[1, 1]
-    np.testing.assert_allclose(face.vertices - face.vertices[0], wanted - wanted[0], atol=0.2)
+    maker, smile = prepare(source, 3), database[database.index(1, "smile")]
+    np.testing.assert_allclose(smile.vertices, maker.scale * (source.heads(1)[1] - maker.origin), atol=1e-3)
+    face = model.face(*smile.weights)
+    np.testing.assert_allclose(face.vertices, smile.vertices, atol=0.1)
     assert {SILHOUETTE, *FEATURES} <= set(face.sketch(wrinkles=False).lines)
     assert face.mesh.faces.shape == model.faces.shape and face.to_bytes("glb")
 
@@ -216,12 +224,10 @@ def test_real_curves_lie_as_those_of_the_shipped_model(real):
         np.testing.assert_allclose(points[len(points) // 3], ours[len(ours) // 3], atol=25, err_msg=name)
 
 
-def test_real_heads_make_a_model_that_draws(real, tmp_path):
-    heads = np.stack([real.heads(number) for number in range(3)])
-    assert np.isfinite(heads).all() and {"smile", "mouth_open", "eyes_closed"} <= set(real.expressions)
-    model = build_face_model(real, heads, (3, 8))
-    model.save(tmp_path / "face.safetensors", {})
-    face = FaceModel.load(tmp_path / "face.safetensors").face(expression="mouth_open")
+def test_a_database_of_real_heads_draws(real, tmp_path):
+    assert {"smile", "mouth_open", "eyes_closed"} <= set(real.expressions)
+    build(real, tmp_path / "faces", identities=1, interpolated=0)
+    face = FaceModel.load(tmp_path / "faces" / MODEL).face(expression="mouth_open")
     assert {SILHOUETTE, *FEATURES} <= set(face.sketch().lines)
     gape = face.landmarks[62, 1] - face.landmarks[66, 1]
     assert gape > 8

@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 import trimesh
 
-from sketchwidget.geometry.suggestive import SuggestiveContours, visible
-from sketchwidget.geometry.view import rotation_about_y
+from sketchwidget.geometry.suggestive import SuggestiveContours
 
 Z = np.array([0.0, 0, 1])
 OBLIQUE = np.array([0.48, 0.36, 0.8])
@@ -110,20 +109,3 @@ def test_lines_stay_in_the_region():
     assert line[:, 0].min() > 0 and abs(np.ptp(line[:, 1]) - 20) < 1
     with pytest.raises(ValueError, match="region has none"):
         SuggestiveContours(faces, np.zeros(len(vertices), dtype=bool))
-
-
-def test_of_a_ball_the_near_half_is_visible():
-    ball = trimesh.creation.icosphere(subdivisions=4, radius=50)
-    turn = rotation_about_y(-40)
-    depth = ball.vertices @ turn[2]
-    clear = visible(ball.vertices, ball.vertices, ball.faces, turn)
-    assert clear[depth > 8].all() and not clear[depth < -8].any()
-
-
-def test_what_stands_before_a_point_hides_it():
-    balls = [trimesh.creation.icosphere(subdivisions=3, radius=radius) for radius in (50, 20)]
-    vertices = np.concatenate([balls[0].vertices, balls[1].vertices + np.array([0, 0, 90])])
-    faces = np.concatenate([balls[0].faces, balls[1].faces + len(balls[0].vertices)])
-    points = np.array([[0.0, 0, 50], [15, 0, 47.7], [25, 0, 43.3], [0, 0, 110]])
-    assert visible(points, vertices, faces, np.eye(3)).tolist() == [False, False, True, True]
-    assert visible(np.empty((0, 3)), vertices, faces, np.eye(3)).shape == (0,)

@@ -1,0 +1,107 @@
+"""Weights refined by the named lines of a drawing: Gauss-Newton from the network's answer on, which is the prior."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from ..face.model import FaceModel
+from ..geometry.view import CANVAS_MM
+from ..sketch import SILHOUETTE
+from .framing import Frame
+from .matching import match
+from .shape_code import COUNTS, LINES
+
+_STEPS = 4
+_NOISE = 0.008  # canvas units by which people miss the lines that they mean
+_IDENTITY_TRUST, _EXPRESSION_TRUST = 0.45, 0.35  # standard deviations by which the network misses the weights
+_PLACE_TRUST = 0.02  # of scale, and canvas units of place, by which the frames of drawing and head differ
+
+
+class LineRefiner:
+    """Moves the lines of a head of one model towards drawn ones.
+
+    Least squares of what is left between drawn and projected points, each counting by how near they are, and of how far
+    weights, scale and place leave the network's answer. Points are matched anew in each step.
+
+    Parameters
+    ----------
+    model : FaceModel
+    standard : dict of arrays
+        Mean and standard deviation of the weights, as the regressor has them.
+    """
+
+    def __init__(self, model: FaceModel, standard: dict[str, np.ndarray]) -> None:
+        self._core = model.bilinear.core
+        self._identity_std, self._expression_std = standard["identity_std"], standard["expression_std"]
+        paths = [model.curves[name][_spread(name, len(model.curves[name]))] for name in LINES]
+        pick = model.template.subdivision[np.concatenate(paths)]
+        basis = model.bilinear.basis.reshape(-1, 3, model.bilinear.basis.shape[1])
+        # On the canvas y goes down.
+        self._basis = np.stack([pick @ basis[:, 0], -(pick @ basis[:, 1])], axis=1) / CANVAS_MM
+        self._mean = (pick @ model.bilinear.mean.reshape(-1, 3))[:, :2] * [1, -1] / CANVAS_MM + 0.5
+        trust = [_IDENTITY_TRUST] * self._core.shape[1] + [_EXPRESSION_TRUST] * self._core.shape[2] + [_PLACE_TRUST] * 3
+        self._prior = 1 / np.array(trust) ** 2
+
+    def lines(self, identity: np.ndarray, expression: np.ndarray) -> np.ndarray:
+        """Points (n, 2) of a head's lines in the canonical front view."""
+        return self._mean + self._basis @ (self._core @ expression @ identity)
+
+    def __call__(
+        self, identity: np.ndarray, expression: np.ndarray, strokes: Sequence[np.ndarray], names: Sequence[str]
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Identity (p,) and expression (q,) weights whose lines are nearer to the drawn ones.
+
+        Parameters
+        ----------
+        identity, expression : (p,) and (q,) arrays
+            The network's answer.
+        strokes : sequence of (k, 2) arrays
+            In the normalised drawing.
+        names : sequence of str
+            The line of each stroke.
+        """
+        p, q = self._core.shape[1:]
+        change = np.zeros(p + q + 3)
+        frame = _outline_frame(self.lines(identity, expression))
+        for step in range(_STEPS):
+            u, v = self._moved(identity, expression, change)
+            scale, offset = frame[0] * np.exp(change[-3]), frame[1] + change[-2:]
+            free = self.lines(u, v)
+            points = scale * (free - 0.5) + 0.5 + offset
+            drawn, weight = match(points, strokes, names, settled=step > 0)
+            if not weight.any():
+                return identity, expression
+            by_line = scale * self._basis.reshape(-1, self._basis.shape[2])
+            jacobian = np.concatenate(
+                [
+                    by_line @ (self._core @ v) * self._identity_std,
+                    by_line @ np.einsum("kpq,p->kq", self._core, u) * self._expression_std,
+                    (scale * (free - 0.5)).reshape(-1, 1),
+                    np.tile(np.eye(2), (len(points), 1)),
+                ],
+                axis=1,
+            )
+            counted = jacobian * np.repeat(weight / _NOISE**2, 2)[:, None]
+            normal = counted.T @ jacobian + np.diag(self._prior)
+            change += np.linalg.solve(normal, counted.T @ (drawn - points).ravel() - self._prior * change)
+        return self._moved(identity, expression, change)
+
+    def _moved(self, identity: np.ndarray, expression: np.ndarray, change: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        p, q = self._core.shape[1:]
+        u, v = identity + self._identity_std * change[:p], expression + self._expression_std * change[p : p + q]
+        return u.astype(np.float32), v.astype(np.float32)
+
+
+def _spread(name: str, length: int) -> np.ndarray:
+    """Indices of as many points of a line as the matching expects; the silhouette is closed."""
+    count = COUNTS[name]
+    last = length - 1
+    return np.rint(np.linspace(0, last * (count - 1) / count if name == SILHOUETTE else last, count)).astype(int)
+
+
+def _outline_frame(points: np.ndarray) -> tuple[float, np.ndarray]:
+    """Scale about the canvas's middle, and offset, that normalise lines by their outline."""
+    frame = Frame.of_outline(points[: COUNTS[SILHOUETTE]])
+    return frame.scale, np.asarray(frame.offset) + 0.5 * frame.scale - 0.5

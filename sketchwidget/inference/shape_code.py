@@ -1,0 +1,133 @@
+"""The shape of a drawing's lines in a few coefficients: a 2D bilinear model (paper 4.3, Shape-Level Input)."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..sketch import FEATURES, SILHOUETTE
+
+LINES = (SILHOUETTE, *FEATURES)
+
+_OUTLINE_STEP = 3  # every third of the 180 points of a drawn outline
+_OUTLINE_POINTS = 60
+_LINE_POINTS = 12
+_NOISE = 0.01  # canvas units by which drawn lines stray: how much the points count against the prior
+_ROUNDS = 3
+
+COUNTS = {name: _OUTLINE_POINTS if name == SILHOUETTE else _LINE_POINTS for name in LINES}
+
+
+def sample(lines: Mapping[str, np.ndarray]) -> np.ndarray:
+    """The points of whole lines that the model knows, one line after the other.
+
+    Parameters
+    ----------
+    lines : mapping of (k, d) arrays
+        By name; the silhouette as `sketchwidget.face.drawing.outline` draws it, the others along their handles.
+
+    Returns
+    -------
+    (n, d) array
+    """
+    points = [lines[SILHOUETTE][: _OUTLINE_STEP * _OUTLINE_POINTS : _OUTLINE_STEP]]
+    points += [lines[name][sample_indices(len(lines[name]))] for name in FEATURES]
+    return np.concatenate(points)
+
+
+def sample_indices(length: int) -> np.ndarray:
+    """Which points of a feature line of `length` points the model knows."""
+    return np.rint(np.linspace(0, length - 1, _LINE_POINTS)).astype(int)
+
+
+def split_lines(points: np.ndarray) -> dict[str, np.ndarray]:
+    """Points (n, ...) of the model by line."""
+    pieces = np.split(points, np.cumsum(list(COUNTS.values()))[:-1])
+    return dict(zip(COUNTS, pieces, strict=True))
+
+
+@dataclass(frozen=True)
+class ShapeModel:
+    """A bilinear model of the points of silhouette and feature lines in normalised drawings.
+
+    Parameters
+    ----------
+    mean : (d,) array
+        d = 2 n flattened points.
+    core : (d, p, q) array
+        ``mean + core x_2 u x_3 v`` are the points of a drawing.
+    identity_mean, identity_std : (p,) arrays
+        Of u over the people that the model is made of.
+    expression_mean, expression_std : (q,) arrays
+        Of v over their expressions.
+    """
+
+    mean: np.ndarray
+    core: np.ndarray
+    identity_mean: np.ndarray
+    identity_std: np.ndarray
+    expression_mean: np.ndarray
+    expression_std: np.ndarray
+
+    @property
+    def size(self) -> int:
+        """Number of coefficients of a drawing."""
+        return self.core.shape[1] + self.core.shape[2]
+
+    def encode(self, points: np.ndarray, seen: np.ndarray) -> np.ndarray:
+        """Coefficients of drawings, of which some points may be missing.
+
+        The most likely ones under a normal prior, by alternating least squares from the mean on: what is not seen is
+        filled in by what goes with the rest, and a drawing of which nothing is seen has the coefficients 0.
+
+        Parameters
+        ----------
+        points : (b, n, 2) array
+            In the order of `sample`, in normalised drawings; what is not seen may be anything finite.
+        seen : (b, n) array
+            How much each point counts, from 0 to 1.
+
+        Returns
+        -------
+        (b, p + q) float32 array
+            Standardised.
+        """
+        count = len(points)
+        target = points.reshape(count, -1).astype(np.float32) - self.mean
+        weight = np.repeat(seen.astype(np.float32), 2, axis=1) / _NOISE**2
+        p, q = self.core.shape[1:]
+        by_identity = (self.core * self.identity_std[:, None]).transpose(0, 2, 1)  # (d, q, p)
+        by_expression = self.core * self.expression_std  # (d, p, q)
+        identity, expression = np.zeros((count, p), np.float32), np.zeros((count, q), np.float32)
+        for _ in range(_ROUNDS):
+            v = self.expression_mean + self.expression_std * expression
+            identity = _most_likely(
+                _contracted(by_identity, v), target - v @ (self.core.transpose(0, 2, 1) @ self.identity_mean).T, weight
+            )
+            u = self.identity_mean + self.identity_std * identity
+            expression = _most_likely(
+                _contracted(by_expression, u), target - u @ (self.core @ self.expression_mean).T, weight
+            )
+        return np.concatenate([identity, expression], axis=1)
+
+    def decode(self, codes: np.ndarray) -> np.ndarray:
+        """Points (b, n, 2) of coefficients (b, p + q)."""
+        p = self.core.shape[1]
+        u = self.identity_mean + self.identity_std * codes[:, :p]
+        v = self.expression_mean + self.expression_std * codes[:, p:]
+        points = self.mean + np.einsum("bdp,bp->bd", _contracted(self.core.transpose(0, 2, 1), v), u)
+        return points.reshape(len(codes), -1, 2)
+
+
+def _contracted(core: np.ndarray, weights: np.ndarray) -> np.ndarray:
+    """``core`` (d, m, k) with weights (b, m) of its second mode: (b, d, k)."""
+    return np.tensordot(weights, core, axes=(1, 1))
+
+
+def _most_likely(design: np.ndarray, target: np.ndarray, weight: np.ndarray) -> np.ndarray:
+    """Weighted ridge regression of each row: designs (b, d, k), targets and weights (b, d) to (b, k)."""
+    weighted = (design * weight[..., None]).transpose(0, 2, 1)
+    normal = weighted @ design + np.eye(design.shape[2], dtype=design.dtype)
+    return np.linalg.solve(normal, weighted @ target[..., None])[..., 0]

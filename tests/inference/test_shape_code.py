@@ -1,0 +1,124 @@
+"""The shape of a drawing's lines as a few coefficients, and back."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from sketchwidget.inference.shape_code import COUNTS, LINES, ShapeModel, sample, sample_indices, split_lines
+from sketchwidget.sketch import FEATURES, SILHOUETTE
+
+P, Q, POINTS = 4, 3, 60 + 12 * len(FEATURES)
+seeds = st.integers(0, 2**32 - 1)
+
+
+def random_model(seed):
+    random = np.random.default_rng(seed)
+    return ShapeModel(
+        mean=random.uniform(0.2, 0.8, 2 * POINTS).astype(np.float32),
+        core=random.normal(0, 0.03, (2 * POINTS, P, Q)).astype(np.float32),
+        identity_mean=random.normal(0, 1, P).astype(np.float32),
+        identity_std=random.uniform(0.3, 0.6, P).astype(np.float32),
+        expression_mean=random.normal(0, 1, Q).astype(np.float32),
+        expression_std=random.uniform(0.3, 0.6, Q).astype(np.float32),
+    )
+
+
+MODEL = random_model(0)
+EVERYTHING = np.ones(POINTS)
+
+
+def drawn(seed, count=3):
+    """Codes from the prior, and the points of their drawings."""
+    codes = np.random.default_rng(seed).normal(size=(count, MODEL.size)).astype(np.float32)
+    return codes, MODEL.decode(codes)
+
+
+def directions(codes):
+    """Weights u and v of unit length: twice the one and half the other are the same drawing."""
+    u = MODEL.identity_mean + MODEL.identity_std * codes[:, :P]
+    v = MODEL.expression_mean + MODEL.expression_std * codes[:, P:]
+    return [weights / np.linalg.norm(weights, axis=1, keepdims=True) for weights in (u, v)]
+
+
+def test_points_of_a_code_are_those_of_the_bilinear_model():
+    u, v = MODEL.identity_mean.copy(), MODEL.expression_mean.copy()
+    np.testing.assert_allclose(MODEL.decode(np.zeros((1, P + Q)))[0].ravel(), MODEL.mean + MODEL.core @ v @ u, atol=1e-5)
+    code = np.zeros((1, P + Q))
+    code[0, [1, P + 2]] = 2, -1
+    u[1] += 2 * MODEL.identity_std[1]
+    v[2] -= MODEL.expression_std[2]
+    points = MODEL.decode(code)
+    assert points.shape == (1, POINTS, 2)
+    np.testing.assert_allclose(points[0].ravel(), MODEL.mean + MODEL.core @ v @ u, atol=1e-5)
+
+
+@given(seeds)
+@settings(max_examples=30)
+def test_a_code_of_which_all_points_are_seen_is_found_again(seed):
+    codes, points = drawn(seed)
+    found = MODEL.encode(points, np.tile(EVERYTHING, (3, 1)))
+    assert found.shape == codes.shape and found.dtype == np.float32
+    np.testing.assert_allclose(MODEL.decode(found), points, atol=2e-3)
+    for ours, theirs in zip(directions(found), directions(codes), strict=True):
+        assert (np.abs((ours * theirs).sum(axis=1)) > 0.999).all()
+
+
+@given(seeds)
+@settings(max_examples=10)
+def test_nothing_seen_gives_zeros(seed):
+    _, points = drawn(seed)
+    np.testing.assert_array_equal(MODEL.encode(points, np.zeros((3, POINTS))), 0)
+
+
+@pytest.mark.parametrize("hidden", ["nose", "left_eye_upper", SILHOUETTE])
+def test_lines_that_are_not_seen_are_filled_in(hidden):
+    _, points = drawn(1, count=20)
+    away = np.concatenate([np.full(count, name == hidden) for name, count in COUNTS.items()])
+    found = MODEL.encode(np.where(away[:, None], 7.0, points), np.tile(~away, (20, 1)))
+    filled, mean = (MODEL.decode(codes)[:, away] for codes in (found, np.zeros_like(found)))
+    error, of_the_mean = (np.linalg.norm(lines - points[:, away], axis=2).mean(axis=1) for lines in (filled, mean))
+    assert error.max() < 2e-3 and of_the_mean.min() > 0.01
+
+
+def test_points_that_count_less_are_followed_less():
+    _, points = drawn(2, count=1)
+    nose = split_lines(np.arange(POINTS))["nose"]
+    moved = points.copy()
+    moved[:, nose] += 0.2
+
+    def reached(weight):
+        seen = np.where(np.isin(np.arange(POINTS), nose), weight, 0.05)[None]
+        return float((MODEL.decode(MODEL.encode(moved, seen)) - points)[0, nose].mean())
+
+    assert reached(0.0) < 0.01 < reached(0.05) < reached(1.0)
+
+
+def test_each_drawing_of_a_batch_is_coded_for_itself():
+    _, points = drawn(3, count=5)
+    seen = np.random.default_rng(4).random((5, POINTS)) < 0.6
+    together = MODEL.encode(points, seen)
+    for number in range(5):
+        alone = MODEL.encode(points[[number]], seen[[number]])[0]
+        np.testing.assert_allclose(alone, together[number], atol=2e-3)
+
+
+def test_sample_takes_60_points_of_the_outline_and_12_of_each_feature():
+    random = np.random.default_rng(0)
+    lines = {SILHOUETTE: random.random((181, 2))} | {name: random.random((int(random.integers(13, 60)), 2)) for name in FEATURES}
+    points = sample(lines)
+    assert points.shape == (POINTS, 2) and list(COUNTS.values()) == [60, *[12] * len(FEATURES)]
+    by_line = split_lines(points)
+    assert tuple(by_line) == LINES
+    np.testing.assert_array_equal(by_line[SILHOUETTE], lines[SILHOUETTE][:180:3])
+    for name in FEATURES:
+        np.testing.assert_array_equal(by_line[name][[0, -1]], lines[name][[0, -1]])
+        at = [int(np.flatnonzero((lines[name] == point).all(axis=1))[0]) for point in by_line[name]]
+        assert (np.diff(at) > 0).all() and np.ptp(np.diff(at)) <= 1
+
+
+@given(st.integers(12, 400))
+def test_sampled_points_of_a_line_are_its_ends_and_evenly_between(length):
+    at = sample_indices(length)
+    assert (at[0], at[-1]) == (0, length - 1) and len(at) == 12
+    assert np.abs(np.diff(at) - (length - 1) / 11).max() <= 1
