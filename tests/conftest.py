@@ -26,3 +26,15 @@ def small_folder(three_expressions, tmp_path_factory):
     out = tmp_path_factory.mktemp("built") / "faces"
     build(three_expressions, out, identities=3, interpolated=5)
     return out
+
+
+@pytest.fixture(scope="session")
+def folder_beyond_its_model(three_expressions, tmp_path_factory):
+    """The same of a model that is made of the first two identities."""
+    from sketchwidget.database import build as building
+
+    out = tmp_path_factory.mktemp("beyond") / "faces"
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(building, "MODEL_IDENTITIES", 2)
+        building.build(three_expressions, out, identities=3, interpolated=5)
+    return out

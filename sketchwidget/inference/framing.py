@@ -65,8 +65,9 @@ def place(head: np.ndarray, drawn: np.ndarray) -> View:
     offset = np.array(
         [(drawn_low[0] + drawn_high[0] - scale * (low[0] + high[0])) / 2, drawn_high[1] - scale * high[1]]
     )
+    points = KDTree(head)
     for _ in range(_PLACING_STEPS):
-        nearest = head[KDTree(scale * head + offset).query(drawn)[1]]
+        nearest = head[points.query((drawn - offset) / scale)[1]]
         centred, drawn_centred = nearest - nearest.mean(axis=0), drawn - drawn.mean(axis=0)
         scale = float((centred * drawn_centred).sum() / (centred**2).sum())
         offset = drawn.mean(axis=0) - scale * nearest.mean(axis=0)

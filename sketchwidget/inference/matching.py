@@ -7,8 +7,8 @@ from collections.abc import Sequence
 import numpy as np
 from scipy.spatial import KDTree
 
-from ..sketch import FEATURES, SILHOUETTE, arc_length, resample
-from .shape_code import ShapeModel, split_lines
+from ..sketch import FEATURES, SILHOUETTE, resample_each
+from .shape_code import COUNTS, ShapeModel, split_lines
 
 # Lines that one stroke may draw together: an ellipse is two eye contours, one line a closed mouth.
 GROUPS = {
@@ -16,55 +16,72 @@ GROUPS = {
     **{name: name.removesuffix("_upper").removesuffix("_lower") for name in FEATURES},
 }
 
-_STEP = 0.004  # canvas units along a stroke
+_PLACES = {
+    group: np.concatenate(
+        [at for name, at in split_lines(np.arange(sum(COUNTS.values()))).items() if GROUPS[name] == group]
+    )
+    for group in dict.fromkeys(GROUPS.values())
+}
+
+_OUTLINE_INK, _FEATURE_INK = 400, 50  # points of a stroke
 _REACH = 0.03  # canvas units: a point this far from its stroke counts half
 _FARTHEST = 0.12  # beyond this it does not count
 _PLACED_WHOLE = ("brow", "eye", "mouth", "ear")  # what is drawn whole if at all: its middle is that of the line
-_ROUNDS = 3
+_ROUNDS = 2
 
 
-def match(
-    points: np.ndarray, strokes: Sequence[np.ndarray], names: Sequence[str], settled: bool = False
-) -> tuple[np.ndarray, np.ndarray]:
-    """The drawn point for each point of a face's lines.
+class DrawnLines:
+    """The strokes of a drawing by the line that they were named after, ready to be matched.
 
     Parameters
     ----------
-    points : (n, 2) array
-        As `sketchwidget.inference.shape_code.sample` gives them, in the frame of the strokes.
     strokes : sequence of (k, 2) arrays
     names : sequence of str
         The line that each stroke was named after; those of other names are left out.
-    settled : bool
-        Whether the points are near their strokes already; otherwise each feature is moved onto its strokes first.
-
-    Returns
-    -------
-    drawn : (n, 2) array
-        The nearest point of a stroke with the line's name, or of its partner's; the point itself where there is none.
-    weight : (n,) array
-        How much it counts, from 0 to 1.
     """
-    drawn, weight = points.copy(), np.zeros(len(points))
-    numbered = split_lines(np.arange(len(points)))
-    for group in dict.fromkeys(GROUPS.values()):
-        members = [stroke for stroke, name in zip(strokes, names, strict=True) if GROUPS.get(name) == group]
-        if not members:
-            continue
-        ink = np.concatenate([_dense(stroke) for stroke in members])
-        at = np.concatenate([numbered[name] for name in numbered if GROUPS[name] == group])
-        here = points[at]
-        if not settled and any(part in group for part in _PLACED_WHOLE):
-            here = here + _middle(ink) - _middle(here)
-        distance, nearest = KDTree(ink).query(here)
-        drawn[at] = ink[nearest]
-        weight[at] = np.where(distance < _FARTHEST, 1 / (1 + (distance / _REACH) ** 2), 0.0)
-    return drawn, weight
+
+    def __init__(self, strokes: Sequence[np.ndarray], names: Sequence[str]) -> None:
+        ink: dict[str, list[np.ndarray]] = {}
+        for outline in (True, False):
+            chosen = [(s, name) for s, name in zip(strokes, names, strict=True) if (name == SILHOUETTE) == outline]
+            dense = resample_each([stroke for stroke, _ in chosen], _OUTLINE_INK if outline else _FEATURE_INK)
+            for (_, name), points in zip(chosen, dense, strict=True):
+                if name in GROUPS:
+                    ink.setdefault(GROUPS[name], []).append(points)
+        self._ink = {group: np.concatenate(lines) for group, lines in ink.items()}
+        self._trees = {group: KDTree(points) for group, points in self._ink.items()}
+
+    def match(self, points: np.ndarray, settled: bool = False) -> tuple[np.ndarray, np.ndarray]:
+        """The drawn point for each point of a face's lines.
+
+        Parameters
+        ----------
+        points : (n, 2) array
+            As `sketchwidget.inference.shape_code.sample` gives them, in the frame of the strokes.
+        settled : bool
+            Whether the points are near their strokes already; otherwise each feature is moved onto its strokes first.
+
+        Returns
+        -------
+        drawn : (n, 2) array
+            The nearest point of a stroke with the line's name, or of its partner's; the point itself where there is
+            none.
+        weight : (n,) array
+            How much it counts, from 0 to 1.
+        """
+        drawn, weight = np.array(points, dtype=np.float64), np.zeros(len(points))
+        for group, ink in self._ink.items():
+            at = _PLACES[group]
+            here = points[at]
+            if not settled and any(part in group for part in _PLACED_WHOLE):
+                here = here + _middle(ink) - _middle(here)
+            distance, nearest = self._trees[group].query(here)
+            drawn[at] = ink[nearest]
+            weight[at] = np.where(distance < _FARTHEST, 1 / (1 + (distance / _REACH) ** 2), 0.0)
+        return drawn, weight
 
 
-def shape_code(
-    model: ShapeModel, points: np.ndarray, strokes: Sequence[np.ndarray], names: Sequence[str]
-) -> np.ndarray:
+def shape_code(model: ShapeModel, points: np.ndarray, drawn: DrawnLines) -> np.ndarray:
     """Coefficients (p + q,) of a drawing's lines, from a guess of where they are.
 
     Parameters
@@ -72,20 +89,15 @@ def shape_code(
     model : ShapeModel
     points : (n, 2) array
         The guess: the lines of an inferred face in the normalised frame.
-    strokes : sequence of (k, 2) arrays
+    drawn : DrawnLines
         In that frame.
-    names : sequence of str
     """
     code = np.zeros(model.size, dtype=np.float32)
     for turn in range(_ROUNDS):
-        drawn, weight = match(points, strokes, names, settled=turn > 0)
-        code = model.encode(drawn[None], weight[None])[0]
+        found, weight = drawn.match(points, settled=turn > 0)
+        code = model.encode(found[None], weight[None])[0]
         points = model.decode(code[None])[0]
     return code
-
-
-def _dense(stroke: np.ndarray) -> np.ndarray:
-    return resample(stroke, max(2, int(arc_length(stroke)[-1] / _STEP) + 1)) if len(stroke) > 1 else stroke
 
 
 def _middle(points: np.ndarray) -> np.ndarray:

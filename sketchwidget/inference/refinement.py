@@ -2,18 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 import numpy as np
 
 from ..face.model import FaceModel
 from ..geometry.view import CANVAS_MM
 from ..sketch import SILHOUETTE
 from .framing import Frame
-from .matching import match
+from .matching import DrawnLines
 from .shape_code import COUNTS, LINES
 
-_STEPS = 4
+_STEPS = 3
 _NOISE = 0.008  # canvas units by which people miss the lines that they mean
 _IDENTITY_TRUST, _EXPRESSION_TRUST = 0.45, 0.35  # standard deviations by which the network misses the weights
 _PLACE_TRUST = 0.02  # of scale, and canvas units of place, by which the frames of drawing and head differ
@@ -49,7 +47,7 @@ class LineRefiner:
         return self._mean + self._basis @ (self._core @ expression @ identity)
 
     def __call__(
-        self, identity: np.ndarray, expression: np.ndarray, strokes: Sequence[np.ndarray], names: Sequence[str]
+        self, identity: np.ndarray, expression: np.ndarray, drawn: DrawnLines
     ) -> tuple[np.ndarray, np.ndarray]:
         """Identity (p,) and expression (q,) weights whose lines are nearer to the drawn ones.
 
@@ -57,10 +55,8 @@ class LineRefiner:
         ----------
         identity, expression : (p,) and (q,) arrays
             The network's answer.
-        strokes : sequence of (k, 2) arrays
+        drawn : DrawnLines
             In the normalised drawing.
-        names : sequence of str
-            The line of each stroke.
         """
         p, q = self._core.shape[1:]
         change = np.zeros(p + q + 3)
@@ -70,7 +66,7 @@ class LineRefiner:
             scale, offset = frame[0] * np.exp(change[-3]), frame[1] + change[-2:]
             free = self.lines(u, v)
             points = scale * (free - 0.5) + 0.5 + offset
-            drawn, weight = match(points, strokes, names, settled=step > 0)
+            target, weight = drawn.match(points, settled=step > 0)
             if not weight.any():
                 return identity, expression
             by_line = scale * self._basis.reshape(-1, self._basis.shape[2])
@@ -85,7 +81,7 @@ class LineRefiner:
             )
             counted = jacobian * np.repeat(weight / _NOISE**2, 2)[:, None]
             normal = counted.T @ jacobian + np.diag(self._prior)
-            change += np.linalg.solve(normal, counted.T @ (drawn - points).ravel() - self._prior * change)
+            change += np.linalg.solve(normal, counted.T @ (target - points).ravel() - self._prior * change)
         return self._moved(identity, expression, change)
 
     def _moved(self, identity: np.ndarray, expression: np.ndarray, change: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

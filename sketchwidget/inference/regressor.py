@@ -19,7 +19,7 @@ from ..face.tensorfile import read, writing
 from ..geometry.view import View
 from ..sketch import FEATURES, SILHOUETTE, UNNAMED, Sketch
 from .framing import Frame, place
-from .matching import shape_code
+from .matching import DrawnLines, shape_code
 from .naming import name_strokes
 from .network import Layout, PixelShapeCNN
 from .normalise import Normalised, normalise
@@ -92,6 +92,11 @@ class FaceRegressor:
         corners = model.template.subdivision[model.landmarks].toarray()  # (68, n)
         by_vertex = model.bilinear.basis.reshape(-1, 3, model.bilinear.basis.shape[1])
         self._landmarks = np.einsum("ln,nck->lck", corners, by_vertex).reshape(3 * len(corners), -1)
+        pick = model.template.subdivision[np.concatenate(list(model.curves.values()))]
+        self._curve_mean = pick @ model.bilinear.mean.reshape(-1, 3)
+        self._curve_basis = np.stack([pick @ by_vertex[:, axis] for axis in range(3)], axis=1).reshape(
+            3 * pick.shape[0], -1
+        )
 
     @property
     def sees(self) -> tuple[str, ...]:
@@ -129,36 +134,48 @@ class FaceRegressor:
         features = self._features(seen)
         identity, expression = self._weights(features)
         inferred = time.perf_counter()
-        face = self.model.face(identity, expression)
-        meshed = time.perf_counter()
-        view, names = self._find(face, sketch, seen.outline, seen.places)
+        names = self._name(sketch, seen, self._curves(identity, expression))
         named = time.perf_counter()
+        if features is not None and seen.outline is not None and (self.shape_model or self._refiner):
+            identity, expression = self._by_lines(identity, expression, features, seen.strokes, names)
+        moved = time.perf_counter()
+        face = self.model.face(identity, expression)
+        view = View() if seen.outline is None else _standing(face.curve(SILHOUETTE), seen.outline)
         moments = {
             "rasterising": drawn - began,
             "inference": inferred - drawn,
-            "mesh": meshed - inferred,
-            "naming": named - meshed,
+            "naming": named - inferred,
+            "lines": moved - named,
+            "mesh": time.perf_counter() - moved,
         }
-        if features is not None and seen.outline is not None and (self.shape_model or self._refiner):
-            face = self._by_lines(face, features, seen.strokes, names)
-            view, names = self._find(face, sketch, seen.outline, seen.places)
-            moments["lines"] = time.perf_counter() - named
         return Inference(face, view, names, {step: 1000 * seconds for step, seconds in moments.items()})
 
+    def _curves(self, identity: np.ndarray | None, expression: np.ndarray | None) -> dict[str, np.ndarray]:
+        """Points (k, 3) of the predefined curves of a head, without its mesh."""
+        model = self.model
+        if identity is None or expression is None:
+            return {name: model.mean[path] for name, path in model.curves.items()}
+        points = self._curve_mean + (self._curve_basis @ (model.bilinear.core @ expression @ identity)).reshape(-1, 3)
+        pieces = np.split(points, np.cumsum([len(path) for path in model.curves.values()])[:-1])
+        return dict(zip(model.curves, pieces, strict=True))
+
     def _by_lines(
-        self, face: Face, features: list[torch.Tensor], strokes: list[np.ndarray], names: tuple[str, ...]
-    ) -> Face:
-        """The head again, now that the strokes of the normalised drawing have names; ears keep what they changed."""
+        self,
+        identity: np.ndarray | None,
+        expression: np.ndarray | None,
+        features: list[torch.Tensor],
+        strokes: list[np.ndarray],
+        names: tuple[str, ...],
+    ) -> tuple[np.ndarray | None, np.ndarray | None]:
+        """Weights again, now that the strokes of the normalised drawing have names; ears keep what they changed."""
         kept = [index for index, name in enumerate(names) if not name.endswith("ear")]
-        strokes, names = [strokes[index] for index in kept], tuple(names[index] for index in kept)
-        identity, expression = face.identity, face.expression
+        drawn = DrawnLines([strokes[index] for index in kept], [names[index] for index in kept])
         if self.shape_model is not None:
-            points = sample(_normalised_lines(face))
-            identity, expression = self._weights(features, shape_code(self.shape_model, points, strokes, names))
-        assert identity is not None and expression is not None
-        if self._refiner is not None:
-            identity, expression = self._limited(*self._refiner(identity, expression, strokes, names))
-        return self.model.face(identity, expression)
+            points = sample(_normalised_lines(self._curves(identity, expression)))
+            identity, expression = self._weights(features, shape_code(self.shape_model, points, drawn))
+        if self._refiner is not None and identity is not None and expression is not None:
+            identity, expression = self._limited(*self._refiner(identity, expression, drawn))
+        return identity, expression
 
     def _features(self, seen: Normalised) -> list[torch.Tensor] | None:
         """What the branches make of a drawing, without its ears and, if it has any, with them."""
@@ -185,17 +202,15 @@ class FaceRegressor:
         farthest = float(np.linalg.norm(moves, axis=1).max())
         return identities[0] + min(1.0, _MOVED_BY_EARS / max(farthest, 1e-9)) * change, expressions[0]
 
-    def _find(
-        self, face: Face, sketch: Sketch, outline: Outline | None, places: list[str]
-    ) -> tuple[View, tuple[str, ...]]:
-        """Where a head stands on the canvas, and a name for each stroke."""
+    def _name(self, sketch: Sketch, seen: Normalised, curves: dict[str, np.ndarray]) -> tuple[str, ...]:
+        """A name for each stroke, by the curves of the head that its pixels gave."""
         named = tuple(segment.name for segment in sketch.segments)
-        if outline is None:
-            return View(), named
-        view = place(drawn_outline(View().project(face.curve(SILHOUETTE))), outline.points)
-        lines = {name: view.project(face.curve(name)) for name in FEATURES}
-        guessed = name_strokes([segment.points for segment in sketch.segments], outline, lines, places)
-        return view, tuple(new if old == UNNAMED else old for old, new in zip(named, guessed, strict=True))
+        if seen.outline is None:
+            return named
+        view = _standing(curves[SILHOUETTE], seen.outline)
+        lines = {name: view.project(curves[name]) for name in FEATURES}
+        guessed = name_strokes([segment.points for segment in sketch.segments], seen.outline, lines, seen.places)
+        return tuple(new if old == UNNAMED else old for old, new in zip(named, guessed, strict=True))
 
     def weights(self, images: np.ndarray, codes: np.ndarray | None = None) -> tuple[np.ndarray, np.ndarray]:
         """Identity and expression weights of normalised sketches.
@@ -281,10 +296,15 @@ class FaceRegressor:
         return cls(model, network, standard, None if pixels_only else shape, refine)
 
 
-def _normalised_lines(face: Face) -> dict[str, np.ndarray]:
+def _standing(silhouette: np.ndarray, outline: Outline) -> View:
+    """The front view in which a head with that silhouette (k, 3) stands in a drawn outline."""
+    return place(drawn_outline(View().project(silhouette)), outline.points)
+
+
+def _normalised_lines(curves: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
     """A head's lines by name, projected and normalised by its outline as drawings are."""
-    lines = {name: View().project(face.curve(name)) for name in FEATURES}
-    lines[SILHOUETTE] = drawn_outline(View().project(face.curve(SILHOUETTE)))
+    lines = {name: View().project(curves[name]) for name in FEATURES}
+    lines[SILHOUETTE] = drawn_outline(View().project(curves[SILHOUETTE]))
     frame = Frame.of_outline(lines[SILHOUETTE])
     return {name: frame(line) for name, line in lines.items()}
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -98,18 +99,14 @@ class ShapeModel:
         target = points.reshape(count, -1).astype(np.float32) - self.mean
         weight = np.repeat(seen.astype(np.float32), 2, axis=1) / _NOISE**2
         p, q = self.core.shape[1:]
-        by_identity = (self.core * self.identity_std[:, None]).transpose(0, 2, 1)  # (d, q, p)
-        by_expression = self.core * self.expression_std  # (d, p, q)
         identity, expression = np.zeros((count, p), np.float32), np.zeros((count, q), np.float32)
         for _ in range(_ROUNDS):
-            v = self.expression_mean + self.expression_std * expression
-            identity = _most_likely(
-                _contracted(by_identity, v), target - v @ (self.core.transpose(0, 2, 1) @ self.identity_mean).T, weight
-            )
-            u = self.identity_mean + self.identity_std * identity
-            expression = _most_likely(
-                _contracted(by_expression, u), target - u @ (self.core @ self.expression_mean).T, weight
-            )
+            by_identity = self._by_identity(self.expression_mean + self.expression_std * expression)
+            rest = target - by_identity @ self.identity_mean
+            identity = _most_likely(by_identity * self.identity_std, rest, weight)
+            by_expression = self._by_expression(self.identity_mean + self.identity_std * identity)
+            rest = target - by_expression @ self.expression_mean
+            expression = _most_likely(by_expression * self.expression_std, rest, weight)
         return np.concatenate([identity, expression], axis=1)
 
     def decode(self, codes: np.ndarray) -> np.ndarray:
@@ -117,13 +114,24 @@ class ShapeModel:
         p = self.core.shape[1]
         u = self.identity_mean + self.identity_std * codes[:, :p]
         v = self.expression_mean + self.expression_std * codes[:, p:]
-        points = self.mean + np.einsum("bdp,bp->bd", _contracted(self.core.transpose(0, 2, 1), v), u)
-        return points.reshape(len(codes), -1, 2)
+        return (self.mean + (self._by_identity(v) @ u[..., None])[..., 0]).reshape(len(codes), -1, 2)
 
+    def _by_identity(self, expression: np.ndarray) -> np.ndarray:
+        """Points as linear functions (b, d, p) of the identity, for expressions (b, q)."""
+        return (expression @ self._flat[0]).reshape(len(expression), *self.core.shape[:2])
 
-def _contracted(core: np.ndarray, weights: np.ndarray) -> np.ndarray:
-    """``core`` (d, m, k) with weights (b, m) of its second mode: (b, d, k)."""
-    return np.tensordot(weights, core, axes=(1, 1))
+    def _by_expression(self, identity: np.ndarray) -> np.ndarray:
+        """Points as linear functions (b, d, q) of the expression, for identities (b, p)."""
+        return (identity @ self._flat[1]).reshape(len(identity), self.core.shape[0], -1)
+
+    @cached_property
+    def _flat(self) -> tuple[np.ndarray, np.ndarray]:
+        """The core as matrices, (q, d p) and (p, d q)."""
+        p, q = self.core.shape[1:]
+        return (
+            np.ascontiguousarray(self.core.transpose(2, 0, 1).reshape(q, -1)),
+            np.ascontiguousarray(self.core.transpose(1, 0, 2).reshape(p, -1)),
+        )
 
 
 def _most_likely(design: np.ndarray, target: np.ndarray, weight: np.ndarray) -> np.ndarray:

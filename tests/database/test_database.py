@@ -30,13 +30,8 @@ def database(small_folder):
 
 
 @pytest.fixture(scope="module")
-def larger_than_its_model(source, tmp_path_factory):
-    """Three identities, of which the model is made of two."""
-    out = tmp_path_factory.mktemp("larger") / "faces"
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(building, "MODEL_IDENTITIES", 2)
-        build(source, out, identities=3, interpolated=5)
-    return FaceDatabase.open(out)
+def larger_than_its_model(folder_beyond_its_model):
+    return FaceDatabase.open(folder_beyond_its_model)
 
 
 def test_every_identity_is_there_at_every_level_in_every_expression(database):

@@ -1,5 +1,6 @@
 """From drawings to heads with the shipped network."""
 
+from dataclasses import replace
 from importlib.resources import files
 from pathlib import Path
 
@@ -10,11 +11,13 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from safetensors import safe_open
 from safetensors.torch import save_file
+from scipy.spatial import KDTree
 
 from sketchwidget import FaceModel, FaceRegressor, Sketch
-from sketchwidget.inference.network import TINY, PixelCNN
+from sketchwidget.inference.network import TINY, PixelShapeCNN
 from sketchwidget.inference.regressor import save_network, soft_limit
-from sketchwidget.training.network import standardisation
+from sketchwidget.inference.shape_code import COUNTS, ShapeModel
+from sketchwidget.training.standard import standardisation
 
 EAR = np.array([[0.23, 0.44], [0.19, 0.43], [0.18, 0.5], [0.2, 0.57], [0.24, 0.58]])
 HAIR = np.array([[0.21, 0.5], [0.22, 0.25], [0.35, 0.08], [0.5, 0.04], [0.65, 0.08], [0.78, 0.25], [0.79, 0.5]])
@@ -148,28 +151,100 @@ def _cached(made=[]):  # noqa: B006  (hypothesis cannot take the fixture)
     return made[0]
 
 
+def untrained(model, layout=TINY):
+    """A network of random weights, and a shape model about the mean face."""
+    torch.manual_seed(0)
+    random, size = np.random.default_rng(0), 2 * sum(COUNTS.values())
+    p, q = model.identity_size, model.expression_size
+    shape_model = ShapeModel(
+        mean=random.uniform(0.3, 0.7, size).astype(np.float32),
+        core=random.normal(0, 0.01, (size, p, q)).astype(np.float32),
+        identity_mean=random.normal(0, 0.1, p).astype(np.float32),
+        identity_std=np.full(p, 0.1, np.float32),
+        expression_mean=random.normal(0, 0.1, q).astype(np.float32),
+        expression_std=np.full(q, 0.1, np.float32),
+    )
+    return PixelShapeCNN(p, q, layout).eval(), shape_model
+
+
+def kept(path, model, layout=TINY, refine=True):
+    network, shape_model = untrained(model, layout)
+    save_network(path, network, standardisation(model), shape_model, model, {"command": "test"})
+    return FaceRegressor.load(str(path), model, refine)
+
+
 def test_networks_are_tied_to_their_face_model(tmp_path):
     model = FaceModel.load()
-    torch.manual_seed(0)
-    network = PixelCNN(model.identity_size, model.expression_size, TINY)
-    save_network(tmp_path / "tiny.safetensors", network, TINY, standardisation(model), model, {"command": "test"})
-    again = FaceRegressor.load(str(tmp_path / "tiny.safetensors"))
-    image = Sketch.from_strokes([EAR, HAIR]).image()
-    expected = FaceRegressor(model, network, standardisation(model)).weights(image[None])
-    for ours, theirs in zip(again.weights(image[None]), expected, strict=True):
-        np.testing.assert_allclose(ours, theirs, atol=1e-3)  # weights are kept as bfloat16
+    again = kept(tmp_path / "tiny.safetensors", model)
+    network, shape_model = untrained(model)
+    image = Sketch.from_strokes([EAR, HAIR]).image()[None]
+    codes = np.random.default_rng(1).normal(size=(1, 66)).astype(np.float32)
+    expected = FaceRegressor(model, network, standardisation(model), shape_model)
+    for arguments in ((image,), (image, codes)):
+        for ours, theirs in zip(again.weights(*arguments), expected.weights(*arguments), strict=True):
+            np.testing.assert_allclose(ours, theirs, atol=1e-3)  # weights are kept as bfloat16
+    assert (again.weights(image)[0] != again.weights(image, codes)[0]).any()
+    np.testing.assert_allclose(again.shape_model.core, shape_model.core, atol=1e-4)
+    np.testing.assert_array_equal(again.shape_model.mean, shape_model.mean)
     model.bilinear.core[:] += 1
     with pytest.raises(ValueError, match="another face model"):
         FaceRegressor.load(str(tmp_path / "tiny.safetensors"), model)
 
 
-def test_folding_normalisation_changes_nothing():
-    torch.manual_seed(1)
-    network = PixelCNN(50, 16, TINY)
-    images = (torch.rand(8, 1, 256, 256) < 0.05).float()
-    network(images)  # gives the normalisations statistics that are not their first ones
-    for ours, theirs in zip(network.folded()(images), network.eval()(images), strict=True):
-        torch.testing.assert_close(ours, theirs, atol=1e-5, rtol=1e-4)
+def test_lines_count_once_there_is_an_outline(tmp_path, drawing):
+    regressor = kept(tmp_path / "tiny.safetensors", FaceModel.load())
+    assert regressor.sees == ("pixels", "shape") and regressor.shape_model is not None
+    sketch = Sketch.from_strokes(drawing)
+    assert "lines" in regressor.infer(sketch).timings
+    assert "lines" not in regressor.infer(Sketch.from_strokes(drawing[1:])).timings
+    assert "lines" not in regressor.infer(Sketch()).timings
+
+
+def test_a_network_of_pixels_needs_no_lines(tmp_path, drawing):
+    model = FaceModel.load()
+    regressor = kept(tmp_path / "pixels.safetensors", model, replace(TINY, shape=0), refine=False)
+    assert regressor.sees == ("pixels",) and regressor.shape_model is None
+    result = regressor.infer(Sketch.from_strokes(drawing))
+    assert "lines" not in result.timings and np.isfinite(result.face.vertices).all()
+    image, codes = Sketch.from_strokes(drawing).image()[None], np.ones((1, 66), np.float32)
+    for ours, theirs in zip(regressor.weights(image), regressor.weights(image, codes), strict=True):
+        np.testing.assert_array_equal(ours, theirs)
+
+
+def test_refining_brings_the_lines_nearer_to_the_drawn_ones(tmp_path, drawing):
+    model, sketch = FaceModel.load(), Sketch.from_strokes(drawing)
+
+    def misfit(refine):
+        result = kept(tmp_path / "pixels.safetensors", model, replace(TINY, shape=0), refine).infer(sketch)
+        outline = result.frame.project(result.face.curve("silhouette"))
+        return KDTree(drawing[0]).query(outline)[0].mean()
+
+    assert misfit(True) < 0.7 * misfit(False)
+
+
+def test_a_network_of_lines_alone_wants_their_codes(tmp_path):
+    regressor = kept(tmp_path / "lines.safetensors", FaceModel.load(), replace(TINY, convolutions="none"))
+    assert regressor.sees == ("shape",)
+    images, codes = np.zeros((2, 256, 256), dtype=bool), np.ones((2, 66), dtype=np.float32)
+    identity, expression = regressor.weights(images, codes)
+    assert identity.shape == (2, 50) and expression.shape == (2, 16)
+    with pytest.raises(ValueError, match="sees lines only"):
+        regressor.weights(images)
+
+
+def test_the_shipped_network_has_two_names(regressor, drawing):
+    pixels = FaceRegressor.load("PixelCNN", regressor.model)
+    assert regressor.shape_model is not None and pixels.shape_model is None
+    image = Sketch.from_strokes(drawing).image()[None]
+    for ours, theirs in zip(pixels.weights(image), regressor.weights(image), strict=True):
+        np.testing.assert_array_equal(ours, theirs)
+    sketch = Sketch.from_strokes(drawing)
+    assert (pixels.predict(sketch).vertices != regressor.predict(sketch).vertices).any()
+
+
+def test_what_is_no_drawing_is_refused(tmp_path):
+    with pytest.raises(TypeError, match=r"a drawing is a Sketch, as Sketch\.from_strokes makes; given list"):
+        kept(tmp_path / "tiny.safetensors", FaceModel.load()).predict([EAR])
 
 
 def test_files_that_are_no_network_say_so(tmp_path):
@@ -178,21 +253,36 @@ def test_files_that_are_no_network_say_so(tmp_path):
     (tmp_path / "text").write_text("nothing")
     with pytest.raises(ValueError, match="no safetensors file"):
         FaceRegressor.load(str(tmp_path / "text"))
-    data = files("sketchwidget") / "data"
     with pytest.raises(ValueError, match="is no network"):
-        FaceRegressor.load(str(data / "face.safetensors"))
+        FaceRegressor.load(str(files("sketchwidget") / "data" / "face.safetensors"))
+    kept(tmp_path / "network", FaceModel.load())
     with pytest.raises(ValueError, match="is no face model"):
-        FaceModel.load(str(data / "pixelcnn.safetensors"))
+        FaceModel.load(tmp_path / "network")
 
 
-def test_a_network_that_lacks_a_tensor_is_damaged(tmp_path):
-    with safe_open(str(files("sketchwidget") / "data" / "pixelcnn.safetensors"), "pt") as file:
-        header, tensors = file.metadata(), {name: file.get_tensor(name) for name in file.keys()}  # noqa: SIM118
-    del tensors["shared.0.weight"]
+@pytest.mark.parametrize("name", ["shared.0.weight", "shape_outputs.1.bias", "shape.core", "identity_std"])
+def test_a_network_that_lacks_a_tensor_is_damaged(tmp_path, name):
+    model = FaceModel.load()
+    kept(tmp_path / "whole", model)
+    with safe_open(tmp_path / "whole", "pt") as file:
+        header, tensors = file.metadata(), {key: file.get_tensor(key) for key in file.keys()}  # noqa: SIM118
+    del tensors[name]
     save_file(tensors, tmp_path / "damaged", header)
     with pytest.raises(ValueError, match="damaged network"):
-        FaceRegressor.load(str(tmp_path / "damaged"))
+        FaceRegressor.load(str(tmp_path / "damaged"), model)
+
+
+@pytest.mark.parametrize("layout", [None, "", "{}", '{"channels": [8], "blocks": [0], "towers": 3}', '{"hidden": 3}'])
+def test_a_network_whose_layout_is_none_is_damaged(tmp_path, layout):
+    model = FaceModel.load()
+    kept(tmp_path / "whole", model)
+    with safe_open(tmp_path / "whole", "pt") as file:
+        header, tensors = file.metadata(), {key: file.get_tensor(key) for key in file.keys()}  # noqa: SIM118
+    header = {key: value for key, value in (header | {"layout": layout}).items() if value is not None}
+    save_file(tensors, tmp_path / "damaged", header)
+    with pytest.raises(ValueError, match="damaged network"):
+        FaceRegressor.load(str(tmp_path / "damaged"), model)
 
 
 def test_shipped_network_is_small():
-    assert (files("sketchwidget") / "data" / "pixelcnn.safetensors").stat().st_size < 14e6
+    assert (files("sketchwidget") / "data" / "pixelshapecnn.safetensors").stat().st_size < 14e6

@@ -82,16 +82,16 @@ def test_lines_that_are_not_seen_are_filled_in(hidden):
 
 
 def test_points_that_count_less_are_followed_less():
-    _, points = drawn(2, count=1)
-    nose = split_lines(np.arange(POINTS))["nose"]
-    moved = points.copy()
-    moved[:, nose] += 0.2
+    _, (one, other) = drawn(2, count=2)
+    nose = np.concatenate([np.full(count, name == "nose") for name, count in COUNTS.items()])
+    mixed = np.where(nose[:, None], other, one)
 
-    def reached(weight):
-        seen = np.where(np.isin(np.arange(POINTS), nose), weight, 0.05)[None]
-        return float((MODEL.decode(MODEL.encode(moved, seen)) - points)[0, nose].mean())
+    def misfit(weight):
+        found = MODEL.decode(MODEL.encode(mixed[None], np.where(nose, weight, 0.02)[None]))[0]
+        return np.linalg.norm(found - other, axis=1)[nose].mean()
 
-    assert reached(0.0) < 0.01 < reached(0.05) < reached(1.0)
+    assert misfit(0.0) > misfit(0.02) > misfit(0.2) > misfit(1.0)
+    assert misfit(1.0) < 0.7 * misfit(0.0)
 
 
 def test_each_drawing_of_a_batch_is_coded_for_itself():

@@ -1,0 +1,62 @@
+"""The 2D bilinear model of the lines of many faces."""
+
+import numpy as np
+import pytest
+
+from sketchwidget.geometry import View
+from sketchwidget.inference.framing import OUTLINE_SIZE
+from sketchwidget.inference.shape_code import sample
+from sketchwidget.sketch import SILHOUETTE
+from sketchwidget.training import shape_model
+from sketchwidget.training.shape_model import build_shape_model, normalised
+
+
+def lines_of(table, row, expression):
+    return table.lines(View().project(table.points[row, expression].astype(np.float32)))
+
+
+def test_lines_are_normalised_by_their_outline(pipeline):
+    lines = lines_of(pipeline.table, 3, 1)
+    framed = normalised(lines)
+    assert list(framed) == list(lines) and len(framed[SILHOUETTE]) == 180
+    low, high = framed[SILHOUETTE].min(axis=0), framed[SILHOUETTE].max(axis=0)
+    np.testing.assert_allclose((low + high) / 2, 0.5, atol=1e-5)
+    assert np.sqrt(np.prod(high - low)) == pytest.approx(OUTLINE_SIZE, abs=1e-5)
+    scale = np.ptp(framed["nose"][:, 0]) / np.ptp(lines["nose"][:, 0])
+    np.testing.assert_allclose(np.diff(framed["nose"], axis=0), scale * np.diff(lines["nose"], axis=0), atol=1e-5)
+
+
+def test_place_and_size_of_a_face_do_not_matter(pipeline):
+    lines = lines_of(pipeline.table, 0, 2)
+    moved = normalised({name: 0.7 * line + [0.1, 0.2] for name, line in lines.items()})
+    for name, line in normalised(lines).items():
+        np.testing.assert_allclose(moved[name], line, atol=1e-5)
+
+
+def test_the_model_holds_the_faces_that_it_is_made_of(pipeline):
+    table = pipeline.table
+    model = build_shape_model(table, np.arange(12), (12, 3))
+    points = np.stack([sample(normalised(lines_of(table, row, e))) for row in range(12) for e in range(3)])
+    found = model.decode(model.encode(points, np.ones(points.shape[:2])))
+    assert np.linalg.norm(found - points, axis=2).mean() < 0.003
+    assert np.linalg.norm(model.mean.reshape(-1, 2) - points, axis=2).mean() > 0.006
+
+
+def test_coefficients_are_standardised_over_people_and_expressions(pipeline):
+    model = build_shape_model(pipeline.table, np.arange(12), (12, 3))
+    # Singular vectors have unit length: what of it is no mean is spread.
+    np.testing.assert_allclose(model.identity_mean**2 + model.identity_std**2, 1 / 12, atol=1e-4)
+    np.testing.assert_allclose(model.expression_mean**2 + model.expression_std**2, 1 / 3, atol=1e-4)
+
+
+def test_the_rank_is_limited_by_people_and_expressions(pipeline):
+    model = build_shape_model(pipeline.table, np.array([0, 5, 7]), (50, 16))
+    assert model.core.shape == (384, 3, 3) and model.size == 6
+    assert build_shape_model(pipeline.table, np.arange(12), (2, 1)).core.shape == (384, 2, 1)
+
+
+def test_of_too_many_people_some_are_chosen_from_all_over(pipeline, monkeypatch):
+    monkeypatch.setattr(shape_model, "_PEOPLE", 3)
+    model = build_shape_model(pipeline.table, np.arange(11), (50, 3))
+    chosen = build_shape_model(pipeline.table, np.array([0, 5, 10]), (50, 3))
+    np.testing.assert_array_equal(model.core, chosen.core)
