@@ -11,10 +11,9 @@ from .framing import Frame
 from .matching import DrawnLines
 from .shape_code import COUNTS, LINES
 
-_STEPS = 3
 _NOISE = 0.008  # canvas units by which people miss the lines that they mean
-_IDENTITY_TRUST, _EXPRESSION_TRUST = 0.45, 0.35  # standard deviations by which the network misses the weights
-_PLACE_TRUST = 0.02  # of scale, and canvas units of place, by which the frames of drawing and head differ
+_ERRORS = (0.45, 0.35)  # standard deviations by which the network misses identity and expression weights
+_PLACE_ERROR = 0.02  # of scale, and canvas units of place, by which the frames of drawing and head differ
 
 
 class LineRefiner:
@@ -28,9 +27,20 @@ class LineRefiner:
     model : FaceModel
     standard : dict of arrays
         Mean and standard deviation of the weights, as the regressor has them.
+    errors : (float, float)
+        Standard deviations by which identity and expression weights miss where they start from. With 1 and the mean
+        face to start from, this is the fitting of a morphable model under its prior.
+    steps : int
     """
 
-    def __init__(self, model: FaceModel, standard: dict[str, np.ndarray]) -> None:
+    def __init__(
+        self,
+        model: FaceModel,
+        standard: dict[str, np.ndarray],
+        errors: tuple[float, float] = _ERRORS,
+        steps: int = 3,
+    ) -> None:
+        self._steps = steps
         self._core = model.bilinear.core
         self._identity_std, self._expression_std = standard["identity_std"], standard["expression_std"]
         paths = [model.curves[name][_spread(name, len(model.curves[name]))] for name in LINES]
@@ -39,8 +49,8 @@ class LineRefiner:
         # On the canvas y goes down.
         self._basis = np.stack([pick @ basis[:, 0], -(pick @ basis[:, 1])], axis=1) / CANVAS_MM
         self._mean = (pick @ model.bilinear.mean.reshape(-1, 3))[:, :2] * [1, -1] / CANVAS_MM + 0.5
-        trust = [_IDENTITY_TRUST] * self._core.shape[1] + [_EXPRESSION_TRUST] * self._core.shape[2] + [_PLACE_TRUST] * 3
-        self._prior = 1 / np.array(trust) ** 2
+        sizes = (*self._core.shape[1:], 3)
+        self._prior = np.repeat((*errors, _PLACE_ERROR), sizes) ** -2.0
 
     def lines(self, identity: np.ndarray, expression: np.ndarray) -> np.ndarray:
         """Points (n, 2) of a head's lines in the canonical front view."""
@@ -61,7 +71,7 @@ class LineRefiner:
         p, q = self._core.shape[1:]
         change = np.zeros(p + q + 3)
         frame = _outline_frame(self.lines(identity, expression))
-        for step in range(_STEPS):
+        for step in range(self._steps):
             u, v = self._moved(identity, expression, change)
             scale, offset = frame[0] * np.exp(change[-3]), frame[1] + change[-2:]
             free = self.lines(u, v)

@@ -14,13 +14,14 @@ from sketchwidget.geometry.view import View
 from sketchwidget.sketch import Sketch, textfile
 
 from . import file
+from .apply import apply
 from .events import Clear, Draw, Erase, Event, Redo, Undo
 from .file import SessionFileError
 from .history import History
 from .layers import Layers
 
 if TYPE_CHECKING:
-    from sketchwidget.inference import FaceRegressor
+    from sketchwidget.inference import FaceRegressor, Inference
 
 
 class Session(HasTraits):
@@ -91,6 +92,13 @@ class Session(HasTraits):
             If the points are no stroke, the view is another, or the sketch is full; nothing has changed then.
         """
         self._do(Draw(points, view, mirror))
+
+    def preview(self, points: Any, view: str = "front", mirror: bool = False) -> Inference:
+        """What `draw` would infer; nothing changes.
+
+        For a stroke that is still being drawn. Parameters and errors are those of `draw`.
+        """
+        return self.regressor.infer(apply(self._history.state, Draw(points, view, mirror)).sketch)
 
     def erase(self, points: Any, radius: float = 0.02) -> bool:
         """Erase the ink under the eraser.

@@ -10,16 +10,22 @@ import numpy as np
 from tqdm import tqdm
 
 from ..database.database import DatabaseFace
+from ..face.model import FaceModel
 from ..face.template import PARTS as HEAD_PARTS
 from ..geometry.view import View
+from ..inference.matching import DrawnLines
+from ..inference.refinement import LineRefiner
 from ..inference.regressor import FaceRegressor
+from ..inference.shape_code import split_lines
 from ..sketch.hand import PARTS, Hand
 from .examples import noisy_view
 from .manners import Drawn, Manner, draw
 from .pipeline import Pipeline
+from .standard import standardisation
 
 _VIEW = 2.5  # degrees of noise, in all but exact drawings
 _BATCH = 50
+_PRIOR, _FITTING_STEPS = (1.0, 1.0), 8  # of the morphable model's fit: what is best on faces that networks train on
 
 Weights = tuple[np.ndarray, np.ndarray]
 Method = Callable[["TestSet"], Weights]
@@ -85,16 +91,42 @@ def inferred(regressor: FaceRegressor, tests: TestSet, with_shape: bool) -> Weig
     return identities, expressions
 
 
+def by_lines(refiner: LineRefiner, start: Weights, tests: TestSet) -> Weights:
+    """Weights (m, p) and (m, q) moved by the lines of the drawings of a test set, whose names are known."""
+    found = []
+    for identity, expression, drawing in zip(*start, tests.drawn, strict=True):
+        lines, seen = split_lines(drawing.points), split_lines(drawing.seen)
+        drawn = {name: line[seen[name]] for name, line in lines.items() if seen[name].any()}
+        found.append(refiner(identity, expression, DrawnLines(list(drawn.values()), list(drawn))))
+    return np.stack([u for u, _ in found]), np.stack([v for _, v in found])
+
+
+def morphable_model_fit(model: FaceModel) -> Method:
+    """What lines alone give, from the mean face on and under the prior of the model: the paper's MMfitting."""
+    refiner = LineRefiner(model, standardisation(model), errors=_PRIOR, steps=_FITTING_STEPS)
+    neutral = model.bilinear.expressions.mean(axis=0)
+
+    def fitted(tests: TestSet) -> Weights:
+        count = len(tests.drawn)
+        return by_lines(refiner, (np.tile(model.mean_identity, (count, 1)), np.tile(neutral, (count, 1))), tests)
+
+    return fitted
+
+
 def methods_of(name: str, regressor: FaceRegressor) -> dict[str, Method]:
-    """The answers of a network: of its pixels and, if it has that input, with the shape of the lines."""
+    """The answers of a network: of its pixels, with the shape of the lines, and refined by the lines."""
     path = Path(name)
     title = path.stem if path.suffix else name
-    pixels, shape = (lambda tests: inferred(regressor, tests, False), lambda tests: inferred(regressor, tests, True))
-    if regressor.sees == ("shape",):
-        return {title: shape}
-    if regressor.shape_model is None:
-        return {title: pixels}
-    return {f"{title}, pixels alone": pixels, title: shape}
+    refiner = LineRefiner(regressor.model, standardisation(regressor.model))
+    methods: dict[str, Method] = {}
+    if "pixels" in regressor.sees:
+        methods[f"{title}, pixels alone" if "shape" in regressor.sees else title] = lambda tests: inferred(
+            regressor, tests, False
+        )
+    if "shape" in regressor.sees:
+        methods[title] = lambda tests: inferred(regressor, tests, True)
+        methods[f"{title}, refined by lines"] = lambda tests: by_lines(refiner, methods[title](tests), tests)
+    return methods
 
 
 def compare(pipeline: Pipeline, methods: Mapping[str, Method], split: str, count: int) -> dict[str, dict[str, float]]:
@@ -104,6 +136,7 @@ def compare(pipeline: Pipeline, methods: Mapping[str, Method], split: str, count
     best = [model.fit(face.vertices) for face in tqdm(faces, desc=f"best fits, {split}", unit="face", leave=False)]
     floor = (np.stack([u for u, _ in best]), np.stack([v for _, v in best]))
     references = {"mean face": vertex_errors(faces, None), "best fit in 3D": vertex_errors(faces, floor)}
+    methods = {"MMfitting": morphable_model_fit(model), **methods}
     manners = {}
     for manner in Manner:
         tests = test_set(pipeline, split, manner, count)

@@ -47,6 +47,7 @@ COMMANDS = {
         Command("clear", "Clear the drawing", ("delete",), "trash"),
         Command("mirror", "Mirror drawing: each stroke on both sides", ("m",), "arrows-alt-h"),
         Command("ghost", "Ghost: the head's own lines under the ink", ("g",), "ghost"),
+        Command("live", "Live: the head follows while you draw", ("v",), "bolt"),
         Command("front", "See the head from the front", ("1",), label="front"),
         Command("left", "See the subject's left side", ("2",), label="left"),
         Command("right", "See the subject's right side", ("3",), label="right"),

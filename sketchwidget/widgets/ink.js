@@ -1,10 +1,15 @@
 /* Pointer input and wet ink on an ipycanvas MultiCanvas.
  *
  * Model   canvas: "IPY_MODEL_<id>" of the MultiCanvas; tool: 0 pen, 1 eraser; mirror; colour; line_width and radius in canvas
- *         units (the canvas is the unit square, y down); invitation: words shown on the empty pad.
- * Sends   {type: "ready"} when the lines must be drawn: a view is shown, or an erasing was cancelled;
+ *         units (the canvas is the unit square, y down); invitation: words shown on the empty pad; live: whether the pen's
+ *         stroke is sent while it is drawn.
+ * Sends   {type: "ready"} when the lines must be drawn: a view is shown; {type: "cancelled"} when a stroke was, and what
+ *         it rubbed out or gave the head so far must go;
  *         {type: "stroke", stroke: id, tool, mirror} with one buffer: Float32 (n, 4) x, y, pressure, milliseconds.
- * Takes   {type: "dry", stroke: id}: the kernel has answered that stroke, and drawn what has become of it.
+ *         {type: "partial", tool, mirror} with such a buffer: the pen's stroke so far. At most 15 a second, and none before
+ *         the last one was answered: a busy kernel gets fewer of them, never a queue.
+ * Takes   {type: "followed"}: the kernel has answered a partial stroke;
+ *         {type: "dry", stroke: id}: the kernel has answered that stroke, and drawn what has become of it.
  * Events  on the pad's element, bubbling: "sketchwidget:ink" {detail: {since, drawn}}, the time stamps of the first pointer
  *         event in a drawn frame and of the end of its drawing; "sketchwidget:stroke" {detail: {stroke}} when one is sent.
  *
@@ -18,6 +23,7 @@ const CANVAS_EVENTS = [
 ];
 // Browsers hold pointermove back until the next frame; the raw event comes at once, where there is one.
 const MOVED = "onpointerrawupdate" in window ? "pointerrawupdate" : "pointermove";
+const PARTIAL_EVERY = 1000 / 15; // milliseconds
 const PEN_ERASER_BUTTON = 32; // PointerEvent.buttons of a stylus turned over
 
 const clamp = (value) => Math.min(1, Math.max(0, value));
@@ -73,6 +79,8 @@ async function render({ model, el }) {
   const waiting = new Map(); // id -> a stroke sent and not yet answered
   let frame = 0;
   let since = null;
+  let asked = false; // whether a partial stroke waits for its answer
+  let lastAsked = 0;
 
   function style(ctx, tool) {
     ctx.lineCap = ctx.lineJoin = "round";
@@ -135,6 +143,18 @@ async function render({ model, el }) {
     });
   }
 
+  /** Sends the stroke so far, if that is wanted and the kernel has time for it. */
+  function ask() {
+    const now = performance.now();
+    if (!model.get("live") || asked || stroke.tool !== 0 || now - lastAsked < PARTIAL_EVERY) return;
+    const points = onPad(stroke.points);
+    if (points.length < 2) return;
+    asked = true;
+    lastAsked = now;
+    const { tool, mirror } = stroke;
+    model.send({ type: "partial", tool, mirror }, undefined, [Float32Array.from(points.flat()).buffer]);
+  }
+
   function moveRing(event) {
     const box = pad.getBoundingClientRect();
     ring.style.transform = `translate(${event.clientX - box.left - pad.clientLeft}px, ${event.clientY - box.top - pad.clientTop}px) translate(-50%, -50%)`;
@@ -161,7 +181,10 @@ async function render({ model, el }) {
   function move(event) {
     if (event.pointerId !== stroke?.pointer) return;
     if (event.buttons === 0) up(event); // the release happened where no page could see it
-    else add(event);
+    else {
+      add(event);
+      ask();
+    }
   }
 
   function up(event) {
@@ -179,11 +202,15 @@ async function render({ model, el }) {
 
   function cancel(event) {
     if (event.pointerId !== stroke?.pointer) return;
-    const erased = stroke.tool === 1;
     stroke = null;
     repaint();
     showWords();
-    if (erased) model.send({ type: "ready" }); // so that the kernel draws again what was rubbed out
+    model.send({ type: "cancelled" });
+  }
+
+  function answer(message) {
+    if (message.type === "followed") asked = false;
+    else dry(message);
   }
 
   function dry(message) {
@@ -222,7 +249,7 @@ async function render({ model, el }) {
   pad.addEventListener("pointerup", up);
   pad.addEventListener("lostpointercapture", up);
   pad.addEventListener("pointercancel", cancel);
-  model.on("msg:custom", dry);
+  model.on("msg:custom", answer);
   model.on("change:invitation", showWords);
   model.on("change:tool change:mirror change:radius", showTool);
   window.addEventListener("resize", fit);
@@ -235,7 +262,7 @@ async function render({ model, el }) {
   return () => {
     sizes.disconnect();
     window.removeEventListener("resize", fit);
-    model.off("msg:custom", dry);
+    model.off("msg:custom", answer);
     model.off("change:invitation", showWords);
     model.off("change:tool change:mirror change:radius", showTool);
     view.remove();

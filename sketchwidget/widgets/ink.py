@@ -35,11 +35,14 @@ class Ink(anywidget.AnyWidget):
     colour = traitlets.Unicode("#444444", help="of the wet ink").tag(sync=True)
     line_width = traitlets.Float(0.005, help="of the wet ink, in canvas units").tag(sync=True)
     radius = traitlets.Float(0.02, help="of the eraser, in canvas units").tag(sync=True)
+    live = traitlets.Bool(False, help="send the pen's stroke while it is drawn").tag(sync=True)
     invitation = traitlets.Unicode("", help="shown faintly on the pad").tag(sync=True)
 
     def __init__(self, **kwargs: Any) -> None:
         super().__init__(**kwargs)
         self._stroke_callbacks = CallbackDispatcher()
+        self._partial_callbacks = CallbackDispatcher()
+        self._cancel_callbacks = CallbackDispatcher()
         self._ready_callbacks = CallbackDispatcher()
         self.on_msg(self._receive)
 
@@ -51,6 +54,17 @@ class Ink(anywidget.AnyWidget):
         """
         self._stroke_callbacks.register_callback(callback)
 
+    def on_partial(self, callback: Callable[[np.ndarray, bool], None]) -> None:
+        """Call ``callback(points, mirror)`` for what there is of a pen's stroke that is still being drawn.
+
+        At most 15 times a second, only if `live`, and never while an earlier call has not returned.
+        """
+        self._partial_callbacks.register_callback(callback)
+
+    def on_cancel(self, callback: Callable[[], None]) -> None:
+        """Call ``callback()`` when a stroke ends that does not count: what was drawn or rubbed out of it must go."""
+        self._cancel_callbacks.register_callback(callback)
+
     def on_ready(self, callback: Callable[[], None]) -> None:
         """Call ``callback()`` when a page shows the pad."""
         self._ready_callbacks.register_callback(callback)
@@ -58,9 +72,19 @@ class Ink(anywidget.AnyWidget):
     def _receive(self, _: Any, content: dict[str, Any], buffers: list[memoryview]) -> None:
         if content.get("type") == "ready":
             self._ready_callbacks()
-        elif content.get("type") == "stroke":
-            points = np.frombuffer(buffers[0], dtype="<f4").reshape(-1, 4)
+        elif content.get("type") == "cancelled":
+            self._cancel_callbacks()
+        elif content.get("type") == "partial":
             try:
-                self._stroke_callbacks(points, TOOLS[content["tool"]], bool(content["mirror"]))
+                self._partial_callbacks(_points(buffers), bool(content["mirror"]))
+            finally:
+                self.send({"type": "followed"})
+        elif content.get("type") == "stroke":
+            try:
+                self._stroke_callbacks(_points(buffers), TOOLS[content["tool"]], bool(content["mirror"]))
             finally:
                 self.send({"type": "dry", "stroke": content["stroke"]})
+
+
+def _points(buffers: list[memoryview]) -> np.ndarray:
+    return np.frombuffer(buffers[0], dtype="<f4").reshape(-1, 4)

@@ -43,6 +43,7 @@ class Pad:
         self._ghost: Sketch | None = None
         self.canvas.on_client_ready(self._draw)
         self.widget.on_ready(self._draw)
+        self.widget.on_cancel(self._draw)
         self.canvas.observe(self._resize, "width")
 
     def show(self, sketch: Sketch, ghost: Sketch | None = None) -> None:

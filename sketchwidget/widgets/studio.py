@@ -56,6 +56,8 @@ class Studio(VBox):
         self.children = self._layout()
         self.add_class("sketchwidget-studio")
         self._pad.widget.on_stroke(self._on_stroke)
+        self._pad.widget.on_partial(self._on_partial)
+        self._pad.widget.on_cancel(self._show_head)
         self._head.widget.on_ready(self._wake)
         self._waking = Thread(target=_wake, args=[session], daemon=True)
         self.session = session
@@ -67,7 +69,8 @@ class Studio(VBox):
 
     def _layout(self) -> list[Any]:
         self._tools = toolbar.choice(*TOOLS)
-        self._mirror, self._ghost = toolbar.toggle("mirror"), toolbar.toggle("ghost")
+        self._mirror, self._ghost, self._live = (toolbar.toggle(name) for name in ("mirror", "ghost", "live"))
+        self._live.value = True
         self._undo, self._redo, self._clear = (toolbar.button(name) for name in ("undo", "redo", "clear"))
         views = [toolbar.button(name) for name in VIEWS]
         save, load = toolbar.button("save"), toolbar.picker("load", ".jsonl,.json")
@@ -76,6 +79,7 @@ class Studio(VBox):
         # Linked in the browser, so that a stroke right after a key is drawn with the tool that the key chose.
         jslink((self._tools, "index"), (self._pad.widget, "tool"))
         jslink((self._mirror, "value"), (self._pad.widget, "mirror"))
+        jslink((self._live, "value"), (self._pad.widget, "live"))
         self._ghost.observe(lambda _: self._show_drawing(), "value")
         self._undo.on_click(lambda _: self._on_undo())
         self._redo.on_click(lambda _: self._on_redo())
@@ -91,7 +95,7 @@ class Studio(VBox):
         self._mode.add_class("sketchwidget-mode")
         title = _classed(Box([self._mode, toolbar.bar((save, load), tuple(exports))]), "sketchwidget-title")
         edits = (self._undo, self._redo, self._clear)
-        pad_bar = toolbar.bar((self._tools,), edits, (self._mirror, self._ghost))
+        pad_bar = toolbar.bar((self._tools,), edits, (self._mirror, self._ghost, self._live))
         drawing = _classed(VBox([pad_bar, self._pad.widget]), "sketchwidget-panel")
         head_bar = _classed(toolbar.bar(tuple(views)), "sketchwidget-views")
         head = _classed(VBox([head_bar, self._head.widget]), "sketchwidget-panel")
@@ -119,13 +123,16 @@ class Studio(VBox):
 
     def _show_all(self) -> None:
         session = self.session
-        self._head.show(self._face, session.frame)
+        self._show_head()
         self._show_drawing()
         toolbar.set_useful(self._undo, session.can_undo or self._just_loaded)
         toolbar.set_useful(self._redo, session.can_redo)
         toolbar.set_useful(self._clear, bool(len(session.sketch)))
         self._mode.value = session.mode.capitalize()
         self._status.show_figures(session.mode, session.timings)
+
+    def _show_head(self) -> None:
+        self._head.show(self._face, self.session.frame)
 
     def _show_drawing(self) -> None:
         ghost = self._face.sketch(wrinkles=False, view=self.session.frame) if self._ghost.value else None
@@ -145,6 +152,7 @@ class Studio(VBox):
     def _on_stroke(self, points: np.ndarray, tool: str, mirror: bool) -> None:
         if self._waking.is_alive():
             self._status.say("The network is waking up; the head follows in a moment.")
+        before = self.session.sketch
         with self._status.reporting("The head could not follow this stroke, the drawing is kept"):
             if tool == "eraser":
                 erased = self.session.erase(points[:, :2], radius=self._pad.widget.radius)
@@ -153,6 +161,15 @@ class Studio(VBox):
                 self.session.draw(points[:, :2], mirror=mirror)
                 happened = "Both strokes drawn." if mirror else "Stroke drawn."
             self._status.say(happened, expected_next(self.session.sketch))
+        if self.session.sketch is before:  # the head may have followed what came to nothing
+            self._show_head()
+
+    def _on_partial(self, points: np.ndarray, mirror: bool) -> None:
+        if self._waking.is_alive():
+            return
+        with suppress(ValueError):  # what is no stroke yet may become one, and is told of when it ends
+            preview = self.session.preview(points[:, :2], mirror=mirror)
+            self._head.show(preview.face, preview.frame)
 
     def _on_undo(self) -> None:
         with self._status.reporting("Nothing could be undone"):

@@ -202,3 +202,33 @@ def test_normals_belong_to_the_positions_on_screen(studio_lab: StudioPage) -> No
     sound = lengths > 1e-3
     cosines = (expected[sound] / lengths[sound, None] * np.reshape(normals, (-1, 3))[sound]).sum(axis=1)
     assert cosines.min() > 0.99
+
+
+def test_the_head_follows_while_the_stroke_is_drawn(studio: StudioPage) -> None:
+    drawn(studio)
+    settled, before = studio.positions(), studio.serial
+    points = [(0.40, 0.70), (0.44, 0.74), (0.5, 0.76), (0.56, 0.74), (0.60, 0.70)]
+    studio.page.mouse.move(*studio.on_screen(points[0]))
+    studio.page.mouse.down()
+    for point in points[1:]:
+        studio.page.mouse.move(*studio.on_screen(point), steps=4)
+    until(lambda: studio.serial, lambda serial: serial > before, "a frame before the pen is up")
+    assert np.abs(studio.positions() - settled).max() > 0.1  # mm
+    studio.page.mouse.up()
+    until(lambda: studio.message, lambda said: said.startswith("Stroke drawn"), "the word of the stroke")
+    studio.press("Control+z")
+    until(lambda: np.allclose(studio.positions(), settled, atol=1e-3), what="the former head")
+
+
+def test_the_head_waits_for_the_pen_if_live_is_off(studio: StudioPage) -> None:
+    drawn(studio)
+    studio.press("v")
+    studio.page.mouse.move(*studio.on_screen((0.4, 0.7)))
+    studio.page.mouse.down()
+    before = studio.serial
+    studio.page.mouse.move(*studio.on_screen((0.6, 0.7)), steps=10)
+    until(studio.ink_pixels, what="ink under the pen")
+    studio.page.wait_for_timeout(500)
+    assert studio.serial == before
+    studio.page.mouse.up()
+    studio.wait_for_frame(before)

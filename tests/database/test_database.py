@@ -172,7 +172,7 @@ def test_what_goes_wrong_with_an_identity_names_it(source, tmp_path, monkeypatch
         return heads(number)
 
     monkeypatch.setattr(source, "heads", spiky)
-    with pytest.raises(ValueError, match="^identity 1 of the source anny: a spike on the nose$"):
+    with pytest.raises(ValueError, match=r"^identity 1 of the source anny: a spike on the nose$"):
         build(source, tmp_path / "faces", identities=3, interpolated=0)
 
 
@@ -189,7 +189,7 @@ def test_a_killed_process_tells_to_take_fewer_and_loses_nothing(source, database
     with monkeypatch.context() as patch:
         patch.setattr(building, "_TOGETHER", 1)
         patch.setattr(building, "Parallel", Killed)
-        with pytest.raises(OSError, match="a process of the build was killed.*give fewer --jobs; what is built stays"):
+        with pytest.raises(OSError, match=r"was killed.*give fewer --jobs; what is built stays"):
             build(source, tmp_path / "faces", identities=3, interpolated=5)
     assert Store.open(tmp_path / "faces").missing() == [1, 2]
     build(source, tmp_path / "faces", identities=3, interpolated=5)

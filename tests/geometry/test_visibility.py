@@ -24,7 +24,7 @@ def test_a_triangle_covers_what_lies_within_its_outline():
 
 
 def test_a_slanted_triangle_lies_above_a_point_by_its_plane():
-    slanted = TRIANGLE + [[0, 0, 0], [0, 0, 4], [0, 0, 8]]  # z = 2 + x + 2 y
+    slanted = TRIANGLE + np.array([[0, 0, 0], [0, 0, 4], [0, 0, 8]])  # z = 2 + x + 2 y
     point, above = covering(np.array([[1.0, 2, 3]]), slanted, FACING)
     np.testing.assert_array_equal(point, [0])
     np.testing.assert_allclose(above, [2 + 1 + 4 - 3])
@@ -42,7 +42,7 @@ def test_no_points_have_nothing_over_them():
 
 
 def test_a_point_is_named_once_for_each_triangle_over_it():
-    two = np.concatenate([TRIANGLE, TRIANGLE + [0, 0, 3]])
+    two = np.concatenate([TRIANGLE, TRIANGLE + np.array([0, 0, 3])])
     point, above = covering(np.array([[1.0, 1, 0]]), two, np.concatenate([FACING, FACING + 3]))
     assert point.tolist() == [0, 0] and sorted(above) == [2.0, 5.0]
 

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from sketchwidget import FaceModel
 from sketchwidget.face.drawing import outline
 from sketchwidget.geometry import View
-from sketchwidget.inference.matching import GROUPS, match, shape_code
+from sketchwidget.inference.matching import GROUPS, DrawnLines, shape_code
 from sketchwidget.inference.shape_code import COUNTS, ShapeModel, sample, split_lines
 from sketchwidget.sketch import FEATURES, SILHOUETTE, WRINKLE
 
@@ -33,13 +33,18 @@ def ellipse(*names, by=(0.0, 0.0)):
     return (low + high) / 2 + CIRCLE * (high - low) / 2 + by
 
 
+def match(strokes, names, settled=False):
+    """The drawn point for each of the mean face's, and how much it counts."""
+    return DrawnLines(strokes, names).match(POINTS, settled)
+
+
 def of(name, values):
     return split_lines(values)[name]
 
 
 def test_an_ellipse_is_both_contours_of_an_eye():
     eye = ellipse("left_eye_upper", "left_eye_lower")
-    drawn, weight = match(POINTS, [eye], ["left_eye_upper"])
+    drawn, weight = match([eye], ["left_eye_upper"])
     middle, half = (eye.min(axis=0) + eye.max(axis=0)) / 2, np.ptp(eye, axis=0) / 2
     for name, above in (("left_eye_upper", True), ("left_eye_lower", False)):
         on = (of(name, drawn) - middle) / half
@@ -51,14 +56,14 @@ def test_an_ellipse_is_both_contours_of_an_eye():
 
 def test_one_line_is_both_sides_of_a_shut_mouth():
     line = np.stack([np.linspace(0.4, 0.6, 9), np.full(9, 0.7)], axis=1)
-    drawn, weight = match(POINTS, [line], ["mouth_lower"])
+    drawn, weight = match([line], ["mouth_lower"])
     for name in ("mouth_upper", "mouth_lower"):
         np.testing.assert_allclose(of(name, drawn)[:, 1], 0.7, atol=1e-6)
         assert (of(name, weight) > 0).all()
 
 
 def test_only_lines_of_a_drawn_group_are_moved():
-    drawn, weight = match(POINTS, [ellipse("right_eye_upper", "right_eye_lower", by=(0.02, 0.01))], ["right_eye_lower"])
+    drawn, weight = match([ellipse("right_eye_upper", "right_eye_lower", by=(0.02, 0.01))], ["right_eye_lower"])
     for name in COUNTS:
         if GROUPS[name] == "right_eye":
             assert (of(name, weight) > 0).all() and (of(name, drawn) != LINES[name]).any()
@@ -69,20 +74,20 @@ def test_only_lines_of_a_drawn_group_are_moved():
 
 @pytest.mark.parametrize("name", [WRINKLE, "unnamed", "hat"])
 def test_strokes_of_other_names_are_left_out(name):
-    drawn, weight = match(POINTS, [ellipse("nose")], [name])
+    drawn, weight = match([ellipse("nose")], [name])
     np.testing.assert_array_equal(drawn, POINTS)
     assert not weight.any()
 
 
 def test_a_drawing_without_strokes_says_nothing():
-    drawn, weight = match(POINTS, [], [])
+    drawn, weight = match([], [])
     np.testing.assert_array_equal(drawn, POINTS)
     assert not weight.any()
 
 
 def test_every_stroke_of_a_line_counts():
     halves = np.array_split(LINES["nose"], 2)
-    drawn, weight = match(POINTS, halves, ["nose", "nose"])
+    drawn, weight = match(halves, ["nose", "nose"])
     np.testing.assert_allclose(of("nose", drawn), LINES["nose"], atol=0.003)
     assert of("nose", weight).min() > 0.98
 
@@ -90,29 +95,29 @@ def test_every_stroke_of_a_line_counts():
 def test_drawn_points_count_less_the_farther_they_are_and_not_at_all_beyond_reach():
     weights = []
     for away in (0.0, 0.03, 0.06, 0.13):
-        _, weight = match(POINTS, [LINES["nose"] + [0.0, away]], ["nose"])
+        _, weight = match([LINES["nose"] + [0.0, away]], ["nose"])
         weights.append(of("nose", weight).max())
     assert weights[0] == pytest.approx(1.0) and (np.diff(weights) < 0).all()
-    _, weight = match(POINTS, [LINES["nose"] + [0.0, 0.5]], ["nose"])
+    _, weight = match([LINES["nose"] + [0.0, 0.5]], ["nose"])
     assert not weight.any()
 
 
 @given(st.floats(-0.05, 0.05), st.floats(-0.05, 0.05))
 def test_what_is_drawn_whole_is_brought_to_its_place_first(x, y):
     moved = LINES["left_brow"] + [x, y]
-    drawn, weight = match(POINTS, [moved], ["left_brow"])
+    drawn, weight = match([moved], ["left_brow"])
     np.testing.assert_allclose(of("left_brow", drawn), moved, atol=0.003)
     assert (of("left_brow", weight) > 0.98).all()
 
 
 def test_a_settled_feature_out_of_reach_does_not_count():
     far = LINES["left_brow"] - [0.0, 0.2]
-    assert of("left_brow", match(POINTS, [far], ["left_brow"])[1]).min() > 0.98
-    assert not match(POINTS, [far], ["left_brow"], settled=True)[1].any()
+    assert of("left_brow", match([far], ["left_brow"])[1]).min() > 0.98
+    assert not match([far], ["left_brow"], True)[1].any()
 
 
 def test_a_dot_is_a_stroke():
-    drawn, weight = match(POINTS, [LINES["left_eye_upper"][[6]]], ["left_eye_upper"])
+    drawn, weight = match([LINES["left_eye_upper"][[6]]], ["left_eye_upper"])
     np.testing.assert_allclose(of("left_eye_lower", drawn), np.tile(LINES["left_eye_upper"][6], (12, 1)), atol=1e-6)
     assert (of("left_eye_lower", weight) > 0).all()
 
@@ -140,10 +145,10 @@ def test_the_code_of_a_drawing_is_found_from_a_guess(true):
     wanted = np.array([[*true, 0.0]], dtype=np.float32)
     lines = split_lines(model.decode(wanted)[0])
     strokes = [np.concatenate([lines[SILHOUETTE], lines[SILHOUETTE][:1]]), lines["mouth_upper"], lines["mouth_lower"]]
-    code = shape_code(model, POINTS, strokes, [SILHOUETTE, "mouth_upper", "mouth_lower"])
+    code = shape_code(model, POINTS, DrawnLines(strokes, [SILHOUETTE, "mouth_upper", "mouth_lower"]))
     assert code.shape == (3,) and code.dtype == np.float32
     np.testing.assert_allclose(code[:2], true, atol=0.15)
 
 
 def test_a_drawing_of_unknown_strokes_has_the_code_of_none():
-    np.testing.assert_array_equal(shape_code(shape_model(), POINTS, [ellipse("nose")], ["unnamed"]), 0)
+    np.testing.assert_array_equal(shape_code(shape_model(), POINTS, DrawnLines([ellipse("nose")], ["unnamed"])), 0)

@@ -89,7 +89,8 @@ def test_pixels_are_answered_alone_and_with_the_shape(batch):
     assert all(torch.equal(ours, theirs) for ours, theirs in zip(alone, other_alone, strict=True))
     assert all((ours != theirs).any() for ours, theirs in zip(together, other_together, strict=True))
     features = network.features(images)
-    for ours, theirs in zip((*alone, *together), (*network.from_pixels(features), *network.with_shape(features, codes)), strict=True):
+    apart = [*network.from_pixels(features), *network.with_shape(features, codes)]
+    for ours, theirs in zip([*alone, *together], apart, strict=True):
         torch.testing.assert_close(ours, theirs)
 
 

@@ -43,7 +43,9 @@ def directions(codes):
 
 def test_points_of_a_code_are_those_of_the_bilinear_model():
     u, v = MODEL.identity_mean.copy(), MODEL.expression_mean.copy()
-    np.testing.assert_allclose(MODEL.decode(np.zeros((1, P + Q)))[0].ravel(), MODEL.mean + MODEL.core @ v @ u, atol=1e-5)
+    np.testing.assert_allclose(
+        MODEL.decode(np.zeros((1, P + Q)))[0].ravel(), MODEL.mean + MODEL.core @ v @ u, atol=1e-5
+    )
     code = np.zeros((1, P + Q))
     code[0, [1, P + 2]] = 2, -1
     u[1] += 2 * MODEL.identity_std[1]
@@ -105,7 +107,8 @@ def test_each_drawing_of_a_batch_is_coded_for_itself():
 
 def test_sample_takes_60_points_of_the_outline_and_12_of_each_feature():
     random = np.random.default_rng(0)
-    lines = {SILHOUETTE: random.random((181, 2))} | {name: random.random((int(random.integers(13, 60)), 2)) for name in FEATURES}
+    lines = {name: random.random((int(random.integers(13, 60)), 2)) for name in FEATURES}
+    lines[SILHOUETTE] = random.random((181, 2))
     points = sample(lines)
     assert points.shape == (POINTS, 2) and list(COUNTS.values()) == [60, *[12] * len(FEATURES)]
     by_line = split_lines(points)

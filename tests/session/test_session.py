@@ -54,6 +54,15 @@ def test_a_stroke_gives_a_face_and_names_the_lines(session, regressor):
     assert regressor.asked == 2
 
 
+def test_a_preview_is_what_a_stroke_would_give_and_changes_nothing(session):
+    session.draw([(0.2, 0.5), (0.8, 0.5)])
+    before = (session.face, session.sketch, session.events)
+    preview = session.preview([(0.4, 0.7), (0.6, 0.7)], mirror=True)
+    assert (session.face, session.sketch, session.events) == before
+    session.draw([(0.4, 0.7), (0.6, 0.7)], mirror=True)
+    assert preview.face.sketch.renamed(preview.names) == session.sketch
+
+
 def test_actions_are_events(session):
     session.draw(STROKE)
     session.erase([[0.2, 0.3]], radius=0.05)

@@ -1,5 +1,6 @@
 import pytest
 import torch
+from threadpoolctl import threadpool_limits
 
 from sketchwidget import FaceModel
 from sketchwidget.database.database import FaceDatabase
@@ -25,8 +26,9 @@ def pipeline(database, tmp_path_factory):
 
 @pytest.fixture(autouse=True)
 def one_thread():
-    """Small networks gain nothing from a second one, and lose much to it on a busy machine."""
+    """What is small gains nothing from a second one, and loses much to it on a busy machine."""
     threads = torch.get_num_threads()
     torch.set_num_threads(1)
-    yield
+    with threadpool_limits(1):
+        yield
     torch.set_num_threads(threads)

@@ -127,7 +127,8 @@ def test_mixed_faces_lie_between_others(pipeline, make, poses):
 
 
 def test_puffed_cheeks_are_rare(make, poses):
-    _, _, _, found = make(EXACT, batch=150, kept=np.arange(24), expressions=["neutral", "blowfish", "laugh"]).numbered(0)
+    expressions = ["neutral", "blowfish", "laugh"]
+    _, _, _, found = make(EXACT, batch=150, kept=np.arange(24), expressions=expressions).numbered(0)
     share = [(found == pose).all(axis=1).mean() for pose in poses]
     assert sum(share) == 1 and 0.01 < share[1] < 0.22 and min(share[0], share[2]) > 0.3
 

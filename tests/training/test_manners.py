@@ -104,9 +104,9 @@ def test_wrinkles_stay_where_they_are_on_the_lines_that_they_belong_to(lines, wr
 
 
 def test_wrinkles_are_carried_along_with_the_lines(lines, wrinkles):
-    folds = np.stack(manners._carried(wrinkles, lines, lines))
-    moved = {name: line + [0.05, -0.03] for name, line in lines.items()}
-    np.testing.assert_allclose(manners._carried(wrinkles, lines, moved), folds + [0.05, -0.03], atol=1e-3)
+    folds, by = np.stack(manners._carried(wrinkles, lines, lines)), np.array([0.05, -0.03])
+    moved = {name: line + by for name, line in lines.items()}
+    np.testing.assert_allclose(manners._carried(wrinkles, lines, moved), folds + by, atol=1e-3)
     smaller = {name: 0.6 * line + [0.1, 0.2] for name, line in lines.items()}
     np.testing.assert_allclose(manners._carried(wrinkles, lines, smaller), 0.6 * folds + [0.1, 0.2], atol=1e-3)
 

@@ -1,143 +1,78 @@
-"""Drawings for training, the vertex loss, and the whole build on tiny settings."""
+"""Training a network: its loss, its schedule, its team, and the commands."""
+
+import csv
+import subprocess
+import sys
+from dataclasses import replace
 
 import numpy as np
 import pytest
 import torch
+from safetensors import safe_open
 from typer.testing import CliRunner
 
 from sketchwidget import FaceModel, FaceRegressor, Sketch, cli
-from sketchwidget.face import PARTS as HEAD_PARTS
-from sketchwidget.inference.network import TINY
-from sketchwidget.sketch.hand import Hand
-from sketchwidget.training import face_table
-from sketchwidget.training.examples import PARTS, Examples, Variety, draw_example
-from sketchwidget.training.face_table import LINES, FaceTable, Reshaping, vertex_metric
-from sketchwidget.training.network import Schedule, VertexLoss, standardisation, standardised_poses, train
+from sketchwidget.database.drawings import Drawing, write_drawings
+from sketchwidget.inference.network import TINY, PixelShapeCNN
+from sketchwidget.training import network as training
+from sketchwidget.training.examples import Variety
+from sketchwidget.training.face_table import vertex_metric
+from sketchwidget.training.loss import VertexLoss
+from sketchwidget.training.manners import Manner
+from sketchwidget.training.network import Schedule, train
+from sketchwidget.training.standard import standardisation, standardised_pose
+from sketchwidget.training.team import Team
+
+ANGLE = np.arange(0, 7, 0.1)
+OVAL = np.stack([0.5 + 0.3 * np.cos(ANGLE), 0.5 + 0.4 * np.sin(ANGLE)], axis=1)
+EXACT = Variety(manners={Manner.EXACT: 1.0}, mixed=0.0)
 
 
 @pytest.fixture(scope="module")
-def model():
-    return FaceModel.load()
+def metric(database):
+    return vertex_metric(database.model)
 
 
-@pytest.fixture(scope="module")
-def table(model):
-    """Two identities in all expressions, straight from the model."""
-    u = [model.mean_identity, model.bilinear.identities[0]]
-    v = model.bilinear.expressions
-    codes = np.stack([np.stack([model.bilinear.core @ q @ p for q in v]) for p in u])
-    paths = np.concatenate([model.curves[name] for name in LINES])
-    points = np.stack([np.stack([model.vertices(p, q)[paths] for q in v]) for p in u])
-    return FaceTable(points.astype(np.float16), codes, {name: len(model.curves[name]) for name in LINES})
-
-
-def test_exact_drawing_shows_the_face_s_lines(model, table):
-    lines = table.lines(table.points[0, 0].astype(np.float32))
-    image = draw_example(lines, set(PARTS), Variety(view=0, hand=None), np.random.default_rng(0))
-    for name, line in model.face().sketch(wrinkles=False).lines.items():
-        if name != "silhouette":
-            pixels = (np.concatenate(line) * 256).astype(int)
-            near = [image[y - 6 : y + 7, x - 6 : x + 7].any() for x, y in pixels]
-            assert np.mean(near) > 0.9, name
-
-
-def test_drawn_parts_are_the_ones_asked_for(table):
-    lines = {name: points[:, :2] / 250 * [1, -1] + 0.5 for name, points in table.lines(table.points[0, 0]).items()}
-    random = np.random.default_rng(1)
-    for _ in range(50):
-        parts = {part for part in PARTS if random.random() < 0.5}
-        drawn = Hand(extras=0).draw(lines, parts, random)
-        assert set(drawn) == parts
-        assert all(np.isfinite(stroke).all() and np.abs(stroke - 0.5).max() < 1 for s in drawn.values() for stroke in s)
-
-
-def test_batches_depend_on_seed_and_number_only(model, table):
-    def batch(start):
-        return next(
-            iter(Examples(table, model.expressions, standardised_poses(model), Variety(), 3, seed=5, start=start))
-        )
-
-    np.testing.assert_array_equal(batch(2)[0], batch(2)[0])
-    assert (batch(2)[0] != batch(3)[0]).any()
-    from_start = iter(Examples(table, model.expressions, standardised_poses(model), Variety(), 3, seed=5))
-    third = [next(from_start) for _ in range(3)][2]
-    np.testing.assert_array_equal(third[1], batch(2)[1])
-
-
-def test_left_out_faces_are_never_drawn(model, table):
-    left_out = np.ones(table.codes.shape[:2], dtype=bool)
-    left_out[1, 3] = False
-    examples = Examples(table, model.expressions, standardised_poses(model), Variety(), 1, seed=0, left_out=left_out)
-    assert {examples._pick(np.random.default_rng(k)) for k in range(20)} == {(1, 3)}
-
-
-def test_a_face_without_a_mouth_is_a_quiet_one(model, table):
-    examples = Examples(table, model.expressions, standardised_poses(model), Variety(), 1, seed=0)
-    quiet = {
-        tuple(np.round(table.codes[i, model.expressions.index(n)][:3]))
-        for i in (0, 1)
-        for n in ("neutral", "eyes_closed")
-    }
-    random = np.random.default_rng(3)
-    for _ in range(30):
-        _, code, _ = examples._face(random, quiet=True)
-        mouth = model.bilinear.mean + model.bilinear.basis @ code
-        fine = model.template.subdivision @ mouth.reshape(-1, 3)
-        gap = fine[model.curves["mouth_upper"][24], 1] - fine[model.curves["mouth_lower"][14], 1]
-        assert gap < 5
-    assert quiet
-
-
-@pytest.mark.parametrize("way", ["width", "height", "jaw", "crown"])
-def test_reshaping_moves_the_mesh_as_it_moves_the_points(model, table, way):
-    before = table.points[0, 0].astype(np.float32)
-    points, code = Reshaping(model)(before, table.codes[0, 0], {way: 0.15})
-    fine = model.template.subdivision @ (model.bilinear.mean + model.bilinear.basis @ code).reshape(-1, 3)
-    paths = np.concatenate([model.curves[name] for name in LINES])
-    assert np.abs(fine[paths] - points).mean() < 1.5  # mm: what the vertex basis can hold of it
-    axis = 1 if way == "height" else 0
-    low, high = before[:, 1].min(), before[:, 1].max()
-    part = {"jaw": before[:, 1] < low + 50, "crown": before[:, 1] > high - 50}.get(way, np.ones(len(before), bool))
-    grown = np.ptp(points[part, axis]) / np.ptp(before[part, axis])
-    assert grown == pytest.approx(1.15, abs=0.07)
-    np.testing.assert_array_equal(np.delete(points, axis, axis=1), np.delete(before, axis, axis=1))
-
-
-def test_vertex_loss_is_the_weighted_distance_of_the_vertices(model, table):
-    """Equation 2 written out over all fine vertices."""
-    metric = vertex_metric(model)
-    difference = np.random.default_rng(2).normal(size=len(metric))
-    moved = model.template.subdivision @ (model.bilinear.basis @ difference).reshape(-1, 3)
-    weights = np.array([face_table._PART_WEIGHTS[part] for part in HEAD_PARTS])[model.template.fine_parts]
-    weights[np.unique(np.concatenate([model.curves[name] for name in LINES]))] *= face_table._LINE_WEIGHT
-    expected = (weights * (moved**2).sum(axis=1)).sum() / weights.sum()
-    assert difference @ metric @ difference == pytest.approx(expected, rel=1e-3)
-    loss = VertexLoss(model, metric)
+def test_standardised_weights_have_mean_0_and_deviation_1(model):
     statistics = standardisation(model)
-    u, v = model.bilinear.identities[0], model.bilinear.expressions[1]
-    p = torch.from_numpy((u - statistics["identity_mean"]) / statistics["identity_std"])[None]
-    q = torch.from_numpy((v - statistics["expression_mean"]) / statistics["expression_std"])[None]
-    assert loss(p, q, torch.from_numpy(table.codes[1, 1])[None]).item() == pytest.approx(0.1, abs=0.02)  # its floor
+    np.testing.assert_allclose(statistics["identity_mean"], model.bilinear.identities.mean(axis=0))
+    poses = standardised_pose(model, model.bilinear.expressions)
+    np.testing.assert_allclose(poses.mean(axis=0), 0, atol=1e-4)
+    np.testing.assert_allclose(poses.std(axis=0), 1, atol=1e-4)
 
 
-def test_training_learns_and_resumes(model, table, tmp_path):
-    metric = vertex_metric(model)
-    schedule = Schedule(steps=30, batch=8, rate=3e-3, checkpoint=10)
+def standardised(model, u, v):
+    """Weights as a network gives them, a batch of one."""
+    statistics = standardisation(model)
+    p = (u - statistics["identity_mean"]) / statistics["identity_std"]
+    q = (v - statistics["expression_mean"]) / statistics["expression_std"]
+    return torch.from_numpy(p)[None], torch.from_numpy(q)[None]
 
-    def run(steps, folder):
-        examples = Examples(
-            table, model.expressions, standardised_poses(model), Variety(partial=0, missing=0), 8, seed=0
-        )
-        return train(
-            model, metric, examples, Schedule(**{**schedule.__dict__, "steps": steps}), folder, TINY, workers=0
-        )
 
-    run(30, tmp_path / "whole")
-    curve = torch.load(tmp_path / "whole" / "checkpoint.pt", weights_only=True)
-    assert curve["step"] == 30
-    resumed = run(40, tmp_path / "whole")
-    assert all(torch.isfinite(weight).all() for weight in resumed.state_dict().values())
-    assert torch.load(tmp_path / "whole" / "checkpoint.pt", weights_only=True)["step"] == 40
+def test_the_vertex_loss_of_the_right_weights_is_its_floor(database, metric):
+    model = database.model
+    u, v = model.bilinear.identities[5], model.bilinear.expressions[1]
+    loss = VertexLoss(model, metric)
+    p, q = standardised(model, u, v)
+    for ours, theirs in zip(loss.weights(p, q), (u, v), strict=True):
+        np.testing.assert_allclose(ours[0].numpy(), theirs, atol=1e-5)
+    code = torch.from_numpy(model.bilinear.core @ v @ u)[None]
+    assert loss(p, q, code).item() == pytest.approx(0.1, abs=0.02)
+
+
+def test_the_vertex_loss_is_a_distance_in_millimetres(database, metric):
+    """All vertices 3 mm further on are 3 mm away, whatever they weigh."""
+    model = database.model
+    u, v = model.bilinear.identities[5], model.bilinear.expressions[1]
+    code = model.bilinear.core @ v @ u
+    random = np.random.default_rng(0)
+    change = random.normal(size=code.shape).astype(np.float32)
+    expected = np.sqrt(change @ metric @ change)
+    loss = VertexLoss(model, metric)(*standardised(model, u, v), torch.from_numpy(code + change)[None]).item()
+    assert loss == pytest.approx(np.sqrt(expected**2 + 0.01), rel=1e-2)
+    shift = np.tile([0.0, 3.0, 0.0], len(model.bilinear.mean) // 3)
+    held = model.bilinear.basis.T @ shift
+    assert np.sqrt(held @ metric @ held) <= 3.01
 
 
 def test_learning_rate_rises_then_falls_to_nothing():
@@ -147,29 +82,244 @@ def test_learning_rate_rises_then_falls_to_nothing():
     assert rates[-1] < 0.01 and (np.diff(rates[10:]) < 0).all()
 
 
-def test_commands_build_a_tiny_face_model_and_network(tmp_path):
-    def run(*arguments):
-        result = CliRunner().invoke(cli.main, [str(argument) for argument in arguments])
-        assert result.exit_code == 0, result.output + repr(result.exception)
+def test_training_learns_and_tells_how_it_goes(database, pipeline, metric, tmp_path, monkeypatch):
+    monkeypatch.setattr(training, "_AVERAGING", 0.8)
+    model, examples = database.model, pipeline.examples(EXACT, 8)
+    schedule = Schedule(steps=60, batch=8, rate=5e-3, checkpoint=25)
+    trained = train(model, metric, examples, schedule, tmp_path / "run", TINY, workers=0)
+    assert not trained.training
+    torch.manual_seed(examples.seed)
+    untrained = PixelShapeCNN(model.identity_size, model.expression_size, TINY).eval()
+    images, shapes, codes, _ = (torch.from_numpy(values) for values in pipeline.examples(EXACT, 16).numbered(10_000))
+    loss = VertexLoss(model, metric)
 
-    face, network, work = tmp_path / "face.safetensors", tmp_path / "network.safetensors", tmp_path / "work"
-    run("train", "face", "--tiny", "--out", face, "--work", work)
-    run("train", "network", "--tiny", "--out", network, "--model", face, "--work", work)
-    model = FaceModel.load(face)
-    assert model.identity_size == 6
-    oval = np.stack([0.5 + 0.3 * np.cos(np.arange(0, 7, 0.1)), 0.5 + 0.4 * np.sin(np.arange(0, 7, 0.1))], axis=1)
-    head = FaceRegressor.load(str(network), model).predict(Sketch.from_strokes([oval]))
+    def errors(network):
+        with torch.inference_mode():
+            return [loss(*answer, codes).item() for answer in network(images.float(), shapes)]
+
+    assert all(after < 0.7 * before for before, after in zip(errors(untrained), errors(trained), strict=True))
+    with (tmp_path / "run" / "curve.csv").open(newline="") as file:
+        ((step, _, pixels, shape),) = csv.reader(file)
+    assert step == "50" and float(pixels) > 0 and float(shape) > 0
+
+
+class Stopped(Exception):
+    pass
+
+
+def test_training_that_was_stopped_goes_on_as_if_it_was_not(database, pipeline, metric, tmp_path):
+    schedule = Schedule(steps=6, batch=2, checkpoint=2)
+
+    def run(folder, stop_at=None):
+        examples = pipeline.examples(Variety(), 2)
+        numbered, seen = examples.numbered, []
+
+        def counted(number):
+            if number == stop_at:
+                raise Stopped
+            seen.append(number)
+            return numbered(number)
+
+        examples.numbered = counted
+        try:
+            return train(database.model, metric, examples, schedule, tmp_path / folder, TINY, workers=0), seen
+        except Stopped:
+            return None, seen
+
+    whole, seen = run("whole")
+    assert seen == [0, 1, 2, 3, 4, 5]
+    assert run("stopped", stop_at=5) == (None, [0, 1, 2, 3, 4])
+    assert torch.load(tmp_path / "stopped" / "checkpoint.pt", weights_only=True)["step"] == 4
+    resumed, seen = run("stopped")
+    assert seen == [4, 5]
+    for name, weight in whole.state_dict().items():
+        torch.testing.assert_close(resumed.state_dict()[name], weight, atol=1e-4, rtol=1e-3, msg=name)
+    again, seen = run("stopped")
+    assert seen == []
+    assert all(torch.equal(again.state_dict()[name], weight) for name, weight in resumed.state_dict().items())
+    assert {path.name for path in (tmp_path / "stopped").iterdir()} == {"checkpoint.pt"}
+
+
+def test_unseen_faces_are_none_of_those_that_are_trained_on(database, pipeline):
+    kept, known, unknown = set(pipeline.kept), set(pipeline.unseen("random", 99)), set(pipeline.unseen("identity", 99))
+    assert kept | known | unknown == set(range(len(database)))
+    assert not (kept & known or kept & unknown or known & unknown)
+    assert {database[int(number)].identity for number in unknown} == {2}
+    assert {database[int(number)].identity for number in known} <= {0, 1}
+    np.testing.assert_array_equal(pipeline.unseen("identity", 5), pipeline.unseen("identity", 5))
+    assert len(pipeline.unseen("identity", 5)) == 5 and set(pipeline.unseen("identity", 5)) <= unknown
+
+
+def test_a_process_alone_leads(monkeypatch):
+    for name in ("RANK", "WORLD_SIZE", "LOCAL_RANK"):
+        monkeypatch.delenv(name, raising=False)
+    team = Team.join()
+    assert (team.rank, team.size, team.leads) == (0, 1, True)
+    done = []
+    with team.leader_first():
+        done.append("at once")
+    assert done
+
+
+def test_two_processes_train_one_network(folder_beyond_its_model, pipeline, tmp_path):
+    assert pipeline.table is not None
+    (tmp_path / "together.py").write_text(
+        f"""
+import sys
+from pathlib import Path
+
+import torch
+
+from sketchwidget.database.database import FaceDatabase
+from sketchwidget.inference.network import TINY
+from sketchwidget.training.examples import Variety
+from sketchwidget.training.face_table import vertex_metric
+from sketchwidget.training.network import Schedule, train
+from sketchwidget.training.pipeline import Pipeline
+from sketchwidget.training.team import Team
+
+torch.set_num_threads(1)
+team = Team.join()
+pipeline = Pipeline(FaceDatabase.open({str(folder_beyond_its_model)!r}), Path({str(pipeline.work)!r}))
+with team.leader_first():
+    examples = pipeline.examples(Variety(), 2)
+numbered, seen = examples.numbered, []
+examples.numbered = lambda number: seen.append(number) or numbered(number)
+model = pipeline.database.model
+schedule = Schedule(steps=3, batch=2, checkpoint=3)
+network = train(model, vertex_metric(model), examples, schedule, Path("run"), TINY, workers=0)
+torch.save({{"seen": seen, "weights": dict(network.named_parameters())}}, f"rank{{team.rank}}.pt")
+"""
+    )
+    command = [sys.executable, "-m", "torch.distributed.run", "--standalone", "--nproc-per-node", "2", "together.py"]
+    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, timeout=240)
+    assert done.returncode == 0, done.stderr
+    one, other = (torch.load(tmp_path / f"rank{rank}.pt") for rank in (0, 1))
+    assert (one["seen"], other["seen"]) == ([0, 2, 4], [1, 3, 5])
+    for name, weight in one["weights"].items():
+        torch.testing.assert_close(other["weights"][name], weight, atol=1e-6, rtol=1e-5, msg=name)
+    assert torch.load(tmp_path / "run" / "checkpoint.pt", weights_only=True)["step"] == 3
+
+
+def invoke(*arguments):
+    return CliRunner().invoke(cli.main, [str(argument) for argument in arguments])
+
+
+def run(*arguments):
+    result = invoke(*arguments)
+    assert result.exit_code == 0, result.output + repr(result.exception)
+    return result.output
+
+
+@pytest.fixture(scope="module")
+def tiny_network(folder_beyond_its_model, pipeline, tmp_path_factory):
+    """A network that the command made, and the work folder."""
+    out = tmp_path_factory.mktemp("made") / "tiny.safetensors"
+    told = run("train", "network", folder_beyond_its_model, "--tiny", "--out", out, "--work", pipeline.work)
+    assert f"{out}: " in " ".join(told.split())
+    return out
+
+
+def test_the_command_makes_a_network_of_a_database(database, tiny_network):
+    head = FaceRegressor.load(str(tiny_network), database.model).predict(Sketch.from_strokes([OVAL]))
     assert np.isfinite(head.vertices).all()
+    with safe_open(tiny_network, "pt") as file:
+        header = file.metadata()
+    assert header["database"] == database.sum and header["licence"].startswith("CC0")
+    assert header["face_model"] == database.model.fingerprint
+    assert header["command"].startswith("sketchwidget") and "torch" in header["versions"]
 
 
-def test_tiny_builds_replace_nothing_that_is_shipped(tmp_path):
-    shipped = FaceModel.load().bilinear.core.copy()
-    result = CliRunner().invoke(cli.main, ["train", "face", "--tiny", "--work", str(tmp_path)])
-    assert result.exit_code == 0 and (tmp_path / "face.safetensors").exists()
-    np.testing.assert_array_equal(FaceModel.load().bilinear.core, shipped)
+@pytest.mark.parametrize(
+    ("layout", "sees"),
+    [
+        (replace(TINY, shape=0), ("pixels",)),
+        (replace(TINY, convolutions="none"), ("shape",)),
+        (TINY, ("pixels", "shape")),
+    ],
+)
+def test_networks_of_every_layout_are_made(database, pipeline, tmp_path, layout, sees):
+    out, schedule = tmp_path / f"{'-'.join(sees)}.safetensors", Schedule(steps=2, batch=2, checkpoint=2)
+    pipeline.train_network(out, "a test", schedule, layout, Variety(wrinkles=0.0), workers=0)
+    regressor = FaceRegressor.load(str(out), database.model)
+    assert regressor.sees == sees and (regressor.shape_model is None) == (sees == ("pixels",))
+    assert (pipeline.work / f"{out.stem}-{database.model.fingerprint[:8]}" / "checkpoint.pt").exists()
 
 
-def test_bad_use_of_the_commands_ends_with_a_message(tmp_path):
-    for arguments in (["train"], ["train", "nose"], ["evaluate", "--faces", "0"]):
-        result = CliRunner().invoke(cli.main, arguments)
-        assert result.exit_code != 0 and "Traceback" not in result.output
+def test_the_command_takes_drawings_by_people(folder_beyond_its_model, database, pipeline, tmp_path):
+    face = database.model.face(expression="laugh")
+    strokes = [np.column_stack([line.points, np.zeros((len(line.points), 2))]) for line in face.sketch().segments]
+    write_drawings(tmp_path / "people.jsonl", [Drawing.of(face, strokes)])
+    out = tmp_path / "people.safetensors"
+    arguments = ("--drawings", tmp_path / "people.jsonl", "--tiny", "--out", out, "--work", pipeline.work)
+    run("train", "network", folder_beyond_its_model, *arguments)
+    assert out.exists()
+    shipped = FaceModel.load().face()
+    write_drawings(tmp_path / "people.jsonl", [Drawing.of(shipped, strokes)])
+    result = invoke("train", "network", folder_beyond_its_model, *arguments)
+    assert result.exit_code == 1 and "the weights of another face model" in " ".join(result.stderr.split())
+
+
+def test_a_network_is_made_of_a_database_that_its_model_knows_all_of(small_folder, tmp_path):
+    """Of fewer people than the model has identity weights, as some are left out."""
+    out = tmp_path / "small.safetensors"
+    run("train", "network", small_folder, "--tiny", "--out", out, "--work", tmp_path / "work")
+    assert out.exists()
+
+
+def test_the_command_makes_a_face_model_of_another_rank(folder_beyond_its_model, database, tmp_path):
+    out = tmp_path / "face.safetensors"
+    told = run("train", "face", folder_beyond_its_model, "--out", out, "--identity", "4", "--expression", "2")
+    assert "4 identity and 2 expression weights" in " ".join(told.split())
+    model = FaceModel.load(out)
+    assert (model.identity_size, model.expression_size) == (4, 2) and tuple(model.expressions) == database.expressions
+    np.testing.assert_array_equal(model.faces, database.model.faces)
+
+
+def test_what_is_shipped_is_not_replaced_by_itself(folder_beyond_its_model):
+    for kind in ("face", "network"):
+        result = invoke("train", kind, folder_beyond_its_model)
+        assert result.exit_code == 2 and "Missing option '--out'" in " ".join(result.stderr.split())
+
+
+def test_networks_are_evaluated_beside_the_mean_face_and_the_best_fit(
+    folder_beyond_its_model, tiny_network, pipeline, tmp_path
+):
+    out = tmp_path / "tables" / "accuracy.md"
+    arguments = ("--network", tiny_network, "--out", out, "--work", pipeline.work, "--faces", "2")
+    told = run("evaluate", folder_beyond_its_model, *arguments)
+    text = out.read_text()
+    assert text in told and "over 2 faces a column" in text
+    rows = {row.split("|")[1].strip(): row.split("|")[2:-1] for row in text.splitlines() if row.startswith("| ")}
+    assert list(rows)[:3] == ["", "mean face", "best fit in 3D"] and {"tiny, pixels alone", "tiny"} <= set(rows)
+    wanted = [f"people {seen}: {manner.value}" for seen in ("seen", "left out") for manner in Manner]
+    assert [column.strip() for column in rows.pop("")] == wanted
+    errors = {name: [float(value) for value in row] for name, row in rows.items()}
+    assert all(len(row) == 6 and 0 <= min(row) <= max(row) < 100 for row in errors.values())
+    assert (np.array(errors["best fit in 3D"]) < errors["mean face"]).all() and max(errors["best fit in 3D"][:3]) < 0.1
+
+
+@pytest.mark.parametrize(
+    ("arguments", "complaint"),
+    [
+        (["train", "nose"], "No such command 'nose'"),
+        (["train", "face"], "Missing argument"),
+        (["train", "face", "nowhere", "--out", "face"], "nowhere holds no face database"),
+        (["train", "network", "nowhere", "--out", "net", "--tiny"], "nowhere holds no face database"),
+        (["train", "network", "nowhere", "--out", "net", "--variant", "PixelRNN"], "one of PixelShapeCNN, PixelCNN"),
+        (["train", "network", "nowhere", "--out", "net", "--steps", "0"], "Invalid value for '--steps'"),
+        (["evaluate"], "Missing argument"),
+        (["evaluate", "nowhere", "--out", "table"], "nowhere holds no face database"),
+        (["evaluate", "nowhere", "--faces", "0"], "Invalid value for '--faces'"),
+    ],
+)
+def test_bad_use_of_the_commands_ends_with_a_message(tmp_path, monkeypatch, arguments, complaint):
+    monkeypatch.chdir(tmp_path)
+    result = invoke(*arguments)
+    assert result.exit_code != 0 and "Traceback" not in result.output
+    assert complaint in " ".join(result.stderr.replace("│", " ").split())
+
+
+def test_networks_of_other_models_are_not_evaluated(small_folder, tiny_network, tmp_path):
+    result = invoke("evaluate", small_folder, "--network", tiny_network, "--out", tmp_path / "table")
+    assert result.exit_code == 1 and "was trained for another face model" in " ".join(result.stderr.split())

@@ -175,3 +175,35 @@ def test_a_change_is_drawn_once(shown, monkeypatch):
     shown.session.draw(OVAL)
     shown.session.undo()
     assert len(drawings) == 2
+
+
+def partial(shown, points=OVAL, mirror=False):
+    points = np.column_stack([np.asarray(points, dtype=np.float32), np.zeros((len(points), 2), dtype=np.float32)])
+    shown._on_partial(points, mirror)
+
+
+def test_the_head_follows_a_stroke_that_is_still_being_drawn(shown, sent):
+    messages = sent(shown._head.widget)
+    shown.session.draw(OVAL)
+    partial(shown, [(0.4, 0.5), (0.6, 0.5)])
+    assert len(messages) == 2 and len(shown.session.sketch) == 1 and len(shown.session.events) == 1
+    stroke(shown, [(0.4, 0.5), (0.6, 0.52)])
+    assert len(messages) == 3 and len(shown.session.sketch) == 2
+
+
+def test_a_stroke_that_comes_to_nothing_gives_the_head_back(shown, sent):
+    messages = sent(shown._head.widget)
+    shown.session.draw(OVAL)
+    partial(shown)
+    shown._pad.widget._handle_custom_msg({"type": "cancelled"}, [])
+    np.testing.assert_array_equal(*(np.frombuffer(messages[k][1][0], dtype="<f4") for k in (0, -1)))
+    partial(shown)
+    stroke(shown, [(np.nan, 0.5), (0.6, 0.5)])
+    np.testing.assert_array_equal(*(np.frombuffer(messages[k][1][0], dtype="<f4") for k in (0, -1)))
+    assert "kept" in shown._status.message
+
+
+def test_what_is_no_stroke_yet_says_nothing(shown):
+    said = shown._status.message
+    partial(shown, [(np.nan, 0.5), (0.6, 0.5)])
+    assert shown._status.message == said
