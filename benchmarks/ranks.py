@@ -14,15 +14,16 @@ from tqdm import tqdm
 
 import sketchwidget as sw
 from sketchwidget.database.anny import AnnySource
-from sketchwidget.database.build import LEVELS, prepare
+from sketchwidget.database.build import MODEL_IDENTITIES, prepare
 from sketchwidget.database.store import Store
 from sketchwidget.face import PARTS
 from sketchwidget.face.bilinear import Bilinear, fit
 from sketchwidget.face.decomposition import COMPONENTS, decompose
+from sketchwidget.face.exaggeration import LEVELS
 from sketchwidget.training.tables import machine
 
 RANKS = ((10, 16), (25, 16), (50, 16), (75, 16), (100, 16), (50, 8), (50, 12), (50, 25))
-LEFT_OUT = 12  # identities after those of the database
+LEFT_OUT = 12  # identities after those of the model
 SAMPLES = 300  # faces of each kind
 FOLDER = Path(__file__).parent
 
@@ -32,7 +33,7 @@ def main(path: str) -> None:
     store, database = Store.open(Path(path)), sw.FaceDatabase.open(path)
     template = database.model.template
     skin = template.subdivision[template.fine_parts == PARTS.index("skin")]
-    people, expressions = database.identities, len(database.expressions)
+    people, expressions = min(database.identities, MODEL_IDENTITIES), len(database.expressions)
     tensor = np.concatenate([store.read(number).vertices for number in range(people)])
     tensor = tensor.reshape(people * LEVELS, expressions, -1)
     maker = prepare(AnnySource(), people)

@@ -6,7 +6,7 @@ import numpy as np
 from scipy.ndimage import gaussian_filter1d
 
 from ..geometry.view import View
-from ..sketch import FEATURES, SILHOUETTE, WRINKLE, Segment, Sketch, resample
+from ..sketch import FEATURES, SILHOUETTE, WRINKLE, Segment, Sketch, arc_length, resample
 from .template import Template
 from .wrinkles import LIPS, Wrinkles
 
@@ -20,6 +20,15 @@ _OUTLINE_SMOOTHING = 2.5  # points; the handle runs along vertices, a pen does n
 def outline(points: np.ndarray) -> np.ndarray:
     """The silhouette as a pen would draw it: (180, 2) smooth closed points from projected handle points (k, 2)."""
     even = resample(points, _OUTLINE_POINTS)
+    smooth = gaussian_filter1d(even[:-1], _OUTLINE_SMOOTHING, axis=0, mode="wrap")
+    return np.concatenate([smooth, smooth[:1]])
+
+
+def outline_weights(points: np.ndarray) -> np.ndarray:
+    """What `outline` does to handle points (k, 2), as weights (180, k): linear while arc lengths keep their shares."""
+    along = arc_length(points)
+    wanted = np.linspace(0.0, along[-1], _OUTLINE_POINTS)
+    even = np.stack([np.interp(wanted, along, unit) for unit in np.eye(len(points))], axis=1)
     smooth = gaussian_filter1d(even[:-1], _OUTLINE_SMOOTHING, axis=0, mode="wrap")
     return np.concatenate([smooth, smooth[:1]])
 

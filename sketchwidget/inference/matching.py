@@ -9,6 +9,7 @@ from scipy.spatial import KDTree
 
 from ..sketch import FEATURES, SILHOUETTE, resample_each
 from .shape_code import COUNTS, ShapeModel, split_lines
+from .soft_limit import soft_limit
 
 # Lines that one stroke may draw together: an ellipse is two eye contours, one line a closed mouth.
 GROUPS = {
@@ -28,6 +29,7 @@ _REACH = 0.03  # canvas units: a point this far from its stroke counts half
 _FARTHEST = 0.12  # beyond this it does not count
 _PLACED_WHOLE = ("brow", "eye", "mouth", "ear")  # what is drawn whole if at all: its middle is that of the line
 _ROUNDS = 2
+_CODE_LIMIT = (2.0, 3.0)  # standard deviations that coefficients may go to freely, and at most
 
 
 class DrawnLines:
@@ -97,7 +99,7 @@ def shape_code(model: ShapeModel, points: np.ndarray, drawn: DrawnLines) -> np.n
         found, weight = drawn.match(points, settled=turn > 0)
         code = model.encode(found[None], weight[None])[0]
         points = model.decode(code[None])[0]
-    return code
+    return soft_limit(code, *_CODE_LIMIT)
 
 
 def _middle(points: np.ndarray) -> np.ndarray:

@@ -2,16 +2,21 @@
 
 from __future__ import annotations
 
-import numpy as np
+from collections.abc import Callable
 
+import numpy as np
+from scipy import sparse
+
+from ..face.drawing import outline_weights
 from ..face.model import FaceModel
 from ..geometry.view import CANVAS_MM
 from ..sketch import SILHOUETTE
 from .framing import Frame
-from .matching import DrawnLines
-from .shape_code import COUNTS, LINES
+from .shape_code import COUNTS, LINES, OUTLINE_STEP, sample_indices
 
-_NOISE = 0.008  # canvas units by which people miss the lines that they mean
+Match = Callable[[np.ndarray, bool], tuple[np.ndarray, np.ndarray]]
+
+_NOISE = 0.02  # canvas units by which people miss the lines that they mean, neighbouring points alike
 _ERRORS = (0.45, 0.35)  # standard deviations by which the network misses identity and expression weights
 _PLACE_ERROR = 0.02  # of scale, and canvas units of place, by which the frames of drawing and head differ
 
@@ -43,9 +48,8 @@ class LineRefiner:
         self._steps = steps
         self._core = model.bilinear.core
         self._identity_std, self._expression_std = standard["identity_std"], standard["expression_std"]
-        paths = [model.curves[name][_spread(name, len(model.curves[name]))] for name in LINES]
-        pick = model.template.subdivision[np.concatenate(paths)]
         basis = model.bilinear.basis.reshape(-1, 3, model.bilinear.basis.shape[1])
+        pick = sparse.vstack([sparse.csr_matrix(_sampling(model, name)) @ _handle(model, name) for name in LINES])
         # On the canvas y goes down.
         self._basis = np.stack([pick @ basis[:, 0], -(pick @ basis[:, 1])], axis=1) / CANVAS_MM
         self._mean = (pick @ model.bilinear.mean.reshape(-1, 3))[:, :2] * [1, -1] / CANVAS_MM + 0.5
@@ -56,17 +60,16 @@ class LineRefiner:
         """Points (n, 2) of a head's lines in the canonical front view."""
         return self._mean + self._basis @ (self._core @ expression @ identity)
 
-    def __call__(
-        self, identity: np.ndarray, expression: np.ndarray, drawn: DrawnLines
-    ) -> tuple[np.ndarray, np.ndarray]:
+    def __call__(self, identity: np.ndarray, expression: np.ndarray, match: Match) -> tuple[np.ndarray, np.ndarray]:
         """Identity (p,) and expression (q,) weights whose lines are nearer to the drawn ones.
 
         Parameters
         ----------
         identity, expression : (p,) and (q,) arrays
             The network's answer.
-        drawn : DrawnLines
-            In the normalised drawing.
+        match : callable
+            Gives the drawn points and their weights for the points of the lines, as `DrawnLines.match` does, in the
+            normalised drawing.
         """
         p, q = self._core.shape[1:]
         change = np.zeros(p + q + 3)
@@ -76,7 +79,7 @@ class LineRefiner:
             scale, offset = frame[0] * np.exp(change[-3]), frame[1] + change[-2:]
             free = self.lines(u, v)
             points = scale * (free - 0.5) + 0.5 + offset
-            target, weight = drawn.match(points, settled=step > 0)
+            target, weight = match(points, step > 0)
             if not weight.any():
                 return identity, expression
             by_line = scale * self._basis.reshape(-1, self._basis.shape[2])
@@ -100,11 +103,17 @@ class LineRefiner:
         return u.astype(np.float32), v.astype(np.float32)
 
 
-def _spread(name: str, length: int) -> np.ndarray:
-    """Indices of as many points of a line as the matching expects; the silhouette is closed."""
-    count = COUNTS[name]
-    last = length - 1
-    return np.rint(np.linspace(0, last * (count - 1) / count if name == SILHOUETTE else last, count)).astype(int)
+def _handle(model: FaceModel, name: str) -> sparse.csr_matrix:
+    """The handle of a line from coarse vertices."""
+    return model.template.subdivision[model.curves[name]]
+
+
+def _sampling(model: FaceModel, name: str) -> np.ndarray:
+    """The points of a line that the shape model knows as weights (n, k) of its handle's: exact on the mean face."""
+    handle = model.mean[model.curves[name], :2]
+    if name == SILHOUETTE:
+        return outline_weights(handle)[: OUTLINE_STEP * COUNTS[name] : OUTLINE_STEP]
+    return np.eye(len(handle))[sample_indices(len(handle))]
 
 
 def _outline_frame(points: np.ndarray) -> tuple[float, np.ndarray]:

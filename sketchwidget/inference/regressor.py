@@ -26,6 +26,7 @@ from .normalise import Normalised, normalise
 from .outline import Outline
 from .refinement import LineRefiner
 from .shape_code import ShapeModel, sample
+from .soft_limit import soft_limit
 
 FORMAT = "sketchwidget network 2"
 NETWORKS = ("PixelShapeCNN", "PixelCNN")  # one file: the second is the first without its shape-level input
@@ -174,7 +175,7 @@ class FaceRegressor:
             points = sample(_normalised_lines(self._curves(identity, expression)))
             identity, expression = self._weights(features, shape_code(self.shape_model, points, drawn))
         if self._refiner is not None and identity is not None and expression is not None:
-            identity, expression = self._limited(*self._refiner(identity, expression, drawn))
+            identity, expression = self._limited(*self._refiner(identity, expression, drawn.match))
         return identity, expression
 
     def _features(self, seen: Normalised) -> list[torch.Tensor] | None:
@@ -307,13 +308,6 @@ def _normalised_lines(curves: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
     lines[SILHOUETTE] = drawn_outline(View().project(curves[SILHOUETTE]))
     frame = Frame.of_outline(lines[SILHOUETTE])
     return {name: frame(line) for name, line in lines.items()}
-
-
-def soft_limit(values: np.ndarray, free: float, most: float) -> np.ndarray:
-    """Values as they are up to `free` on both sides, then bent smoothly so that none is beyond `most`."""
-    excess = np.maximum(np.abs(values) - free, 0)
-    bent = (most - free) * np.tanh(excess / (most - free))
-    return np.sign(values) * (np.minimum(np.abs(values), free) + bent)
 
 
 def save_network(

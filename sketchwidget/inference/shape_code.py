@@ -12,7 +12,7 @@ from ..sketch import FEATURES, SILHOUETTE
 
 LINES = (SILHOUETTE, *FEATURES)
 
-_OUTLINE_STEP = 3  # every third of the 180 points of a drawn outline
+OUTLINE_STEP = 3  # every third of the 180 points of a drawn outline
 _OUTLINE_POINTS = 60
 _LINE_POINTS = 12
 _NOISE = 0.01  # canvas units by which drawn lines stray: how much the points count against the prior
@@ -33,7 +33,7 @@ def sample(lines: Mapping[str, np.ndarray]) -> np.ndarray:
     -------
     (n, d) array
     """
-    points = [lines[SILHOUETTE][: _OUTLINE_STEP * _OUTLINE_POINTS : _OUTLINE_STEP]]
+    points = [lines[SILHOUETTE][: OUTLINE_STEP * _OUTLINE_POINTS : OUTLINE_STEP]]
     points += [lines[name][sample_indices(len(lines[name]))] for name in FEATURES]
     return np.concatenate(points)
 

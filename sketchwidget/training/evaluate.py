@@ -91,26 +91,33 @@ def inferred(regressor: FaceRegressor, tests: TestSet, with_shape: bool) -> Weig
     return identities, expressions
 
 
-def by_lines(refiner: LineRefiner, start: Weights, tests: TestSet) -> Weights:
+def refined(refiner: LineRefiner, start: Weights, tests: TestSet) -> Weights:
     """Weights (m, p) and (m, q) moved by the lines of the drawings of a test set, whose names are known."""
     found = []
     for identity, expression, drawing in zip(*start, tests.drawn, strict=True):
         lines, seen = split_lines(drawing.points), split_lines(drawing.seen)
         drawn = {name: line[seen[name]] for name, line in lines.items() if seen[name].any()}
-        found.append(refiner(identity, expression, DrawnLines(list(drawn.values()), list(drawn))))
-    return np.stack([u for u, _ in found]), np.stack([v for _, v in found])
+        found.append(refiner(identity, expression, DrawnLines(list(drawn.values()), list(drawn)).match))
+    return _stacked(found)
 
 
 def morphable_model_fit(model: FaceModel) -> Method:
-    """What lines alone give, from the mean face on and under the prior of the model: the paper's MMfitting."""
+    """What lines alone give under the prior of the model, point for point known: the paper's MMfitting."""
     refiner = LineRefiner(model, standardisation(model), errors=_PRIOR, steps=_FITTING_STEPS)
-    neutral = model.bilinear.expressions.mean(axis=0)
+    resting = model.bilinear.expressions.mean(axis=0)
 
     def fitted(tests: TestSet) -> Weights:
-        count = len(tests.drawn)
-        return by_lines(refiner, (np.tile(model.mean_identity, (count, 1)), np.tile(neutral, (count, 1))), tests)
+        found = []
+        for drawing in tests.drawn:
+            known = (drawing.points, drawing.seen.astype(np.float64))
+            found.append(refiner(model.mean_identity, resting, lambda points, settled, known=known: known))
+        return _stacked(found)
 
     return fitted
+
+
+def _stacked(found: list[Weights]) -> Weights:
+    return np.stack([identity for identity, _ in found]), np.stack([expression for _, expression in found])
 
 
 def methods_of(name: str, regressor: FaceRegressor) -> dict[str, Method]:
@@ -125,7 +132,7 @@ def methods_of(name: str, regressor: FaceRegressor) -> dict[str, Method]:
         )
     if "shape" in regressor.sees:
         methods[title] = lambda tests: inferred(regressor, tests, True)
-        methods[f"{title}, refined by lines"] = lambda tests: by_lines(refiner, methods[title](tests), tests)
+        methods[f"{title}, refined by lines"] = lambda tests: refined(refiner, methods[title](tests), tests)
     return methods
 
 
@@ -134,8 +141,7 @@ def compare(pipeline: Pipeline, methods: Mapping[str, Method], split: str, count
     model = pipeline.database.model
     faces = [pipeline.database[int(number)] for number in pipeline.unseen(split, count)]
     best = [model.fit(face.vertices) for face in tqdm(faces, desc=f"best fits, {split}", unit="face", leave=False)]
-    floor = (np.stack([u for u, _ in best]), np.stack([v for _, v in best]))
-    references = {"mean face": vertex_errors(faces, None), "best fit in 3D": vertex_errors(faces, floor)}
+    references = {"mean face": vertex_errors(faces, None), "best fit in 3D": vertex_errors(faces, _stacked(best))}
     methods = {"MMfitting": morphable_model_fit(model), **methods}
     manners = {}
     for manner in Manner:

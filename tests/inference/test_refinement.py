@@ -28,7 +28,7 @@ def drawn(refiner, identity, expression):
     lines = split_lines(Frame.of_outline(points[: COUNTS[SILHOUETTE]])(points))
     closed = np.concatenate([lines[SILHOUETTE], lines[SILHOUETTE][:1]])
     lines |= {SILHOUETTE: closed}
-    return DrawnLines(list(lines.values()), list(lines))
+    return DrawnLines(list(lines.values()), list(lines)).match
 
 
 def weights(model, person, expression):
@@ -63,7 +63,7 @@ def test_a_guess_comes_nearer_to_the_drawn_head(model, refiner, expression):
 
 def test_nothing_drawn_changes_nothing(model, refiner):
     u, v = weights(model, 3, "neutral")
-    found = refiner(u, v, DrawnLines([], []))
+    found = refiner(u, v, DrawnLines([], []).match)
     np.testing.assert_array_equal(found[0], u)
     np.testing.assert_array_equal(found[1], v)
 
@@ -73,5 +73,5 @@ def test_a_moved_drawing_moves_no_vertex_far(model, refiner):
     u, v = weights(model, 20, "neutral")
     points = refiner.lines(u, v)
     moved = split_lines(1.02 * (Frame.of_outline(points[: COUNTS[SILHOUETTE]])(points) - 0.5) + 0.5 + [0.01, -0.006])
-    found = refiner(u, v, DrawnLines(list(moved.values()), list(moved)))
+    found = refiner(u, v, DrawnLines(list(moved.values()), list(moved)).match)
     assert np.linalg.norm(model.face(*found).vertices - model.face(u, v).vertices, axis=1).mean() < 1.2
