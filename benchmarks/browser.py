@@ -4,8 +4,8 @@
 
 All is measured in the page. *Ink* is from the time stamp of a pointer event to the end of the animation frame that drew
 it. *Head* is from the time stamp of the pointer's release to the end of the rendering of the mesh that answers it, so
-that it holds the way to the kernel and back and the inference. What the compositor does then, usually one more frame,
-is in neither. *Shown* is from running the cell, in a kernel that is idle, to a pad and a head on screen.
+that it holds the way to the kernel and back, the inference, and the wait for a partial stroke that keeps the kernel
+busy; of several meshes the last counts. What the compositor does then, usually one more frame, is in neither. *Shown* is from running the cell, in a kernel that is idle, to a pad and a head on screen.
 """
 
 from __future__ import annotations
@@ -24,21 +24,26 @@ from playwright.sync_api import sync_playwright
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests" / "browser"))
 
 from jupyter_page import launch_chromium, open_in_lab, serve, write_notebook
-from studio_page import OVAL, StudioPage, until
+from studio_page import OVAL, StudioPage
 
 POINTER_RATE = 120.0  # samples a second, a usual pen's
 LISTEN = """() => {
     window.measured = { ink: [], head: [] };
-    let released = null;
+    let released = null, last = null;
     const studio = document.querySelector('.sketchwidget-studio');
     studio.addEventListener('sketchwidget:ink', ({ detail }) => {
         if (detail.since !== null) window.measured.ink.push(detail.drawn - detail.since);
     });
+    const settle = () => {
+        if (last !== null) window.measured.head.push(last);
+        released = last = null;
+    };
+    studio.addEventListener('pointerdown', settle, { capture: true });
     studio.addEventListener('pointerup', (event) => (released = event.timeStamp), { capture: true });
     studio.addEventListener('sketchwidget:frame', ({ detail }) => {
-        if (released !== null) window.measured.head.push(detail.drawn - released);
-        released = null;
+        if (released !== null) last = detail.drawn - released;
     });
+    window.settle = settle;
 }"""
 
 
@@ -65,7 +70,7 @@ def measure(strokes: int = 30) -> dict[str, Any]:
             for number in range(strokes):
                 shift = 0.1 * np.sin(number), 0.1 * np.cos(number)
                 _draw(studio, 0.5 + 0.15 * (OVAL[:12] - 0.5) + shift)
-            measured = page.evaluate("window.measured")
+            measured = page.evaluate("window.settle() || window.measured")
         browser.close()
     return {name: _summary(values) for name, values in measured.items()} | {"shown": round(shown, 1)}
 
@@ -78,8 +83,12 @@ def _draw(studio: StudioPage, points: np.ndarray) -> None:
         studio.page.mouse.move(x, y)
         time.sleep(1 / POINTER_RATE)
     studio.page.mouse.up()
-    studio.wait_for_frame(before)
-    until(lambda: studio.message, lambda said: said.startswith("Stroke drawn"), "the end of a stroke")
+    serial = studio.wait_for_frame(before)
+    while True:  # until no later frame comes: the first may be that of a partial stroke
+        time.sleep(0.4)
+        if studio.serial == serial:
+            return
+        serial = studio.serial
 
 
 def _summary(values: list[float]) -> dict[str, float]:

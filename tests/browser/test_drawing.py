@@ -107,8 +107,8 @@ def test_only_the_main_button_draws(studio_lab: StudioPage, button: str) -> None
     before = studio_lab.serial
     studio_lab.draw([(0.3, 0.3), (0.6, 0.6)], button=button)
     studio_lab.page.keyboard.press("Escape")  # the front end's menu
+    assert studio_lab.serial == before
     drawn(studio_lab, [(0.8, 0.8), (0.9, 0.9)])
-    assert studio_lab.serial == before + 1
     assert not studio_lab.ink()[: studio_lab.pad_size()[0] * 7 // 10, :, 3].any()
 
 
