@@ -5,7 +5,8 @@
 All is measured in the page. *Ink* is from the time stamp of a pointer event to the end of the animation frame that drew
 it. *Head* is from the time stamp of the pointer's release to the end of the rendering of the mesh that answers it, so
 that it holds the way to the kernel and back, the inference, and the wait for a partial stroke that keeps the kernel
-busy; of several meshes the last counts. What the compositor does then, usually one more frame, is in neither. *Shown* is from running the cell, in a kernel that is idle, to a pad and a head on screen.
+busy; of several meshes the last counts. What the compositor does then, usually one more frame, is in neither. *Shown*
+is from running the cell, in a kernel that is idle, to a pad and a head on screen.
 """
 
 from __future__ import annotations
