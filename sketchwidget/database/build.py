@@ -1,4 +1,4 @@
-"""Builds a database of faces: identities x expressions x levels, their wrinkles, and the bilinear model of them all."""
+"""Builds a database of faces: identities x expressions x levels, their wrinkles, and a bilinear model."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
 """Lips that do not cross, lids that do not enter the eyeball, teeth that stay behind the skin.
 
-Tested on the fine mesh, mended on the coarse one.
+Lips and lids are tested on the fine mesh, and all is mended on the coarse one.
 """
 
 from __future__ import annotations

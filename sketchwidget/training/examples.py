@@ -114,6 +114,8 @@ class Examples(IterableDataset):
         self.table, self.variety, self.batch, self.seed = table, variety, batch, seed
         self.start, self.stride = start, stride
         self._kept = kept
+        self._is_kept = np.zeros(table.codes.shape[0] * len(expressions), dtype=bool)
+        self._is_kept[kept] = True
         self._by_expression = [kept[kept % len(expressions) == expression] for expression in range(len(expressions))]
         self._neutral = expressions.index("neutral")
         self._quiet = [expressions.index(name) for name in _QUIET_MOUTHS if name in expressions]
@@ -167,15 +169,15 @@ class Examples(IterableDataset):
 
     def _face(self, random: np.random.Generator, quiet: bool, freehand: bool) -> tuple[int, _Face]:
         """Number of a face and that face, or a mixture of it and others of which it is the most."""
-        row = self._pick(random)
-        if quiet:
-            row += self._quiet[-int(random.random() < 0.15)] - row % len(self._poses)
+        row = self._pick_quiet(random) if quiet else self._pick(random)
         face = self._stored(row)
         expression = row % len(self._poses)
         if not quiet and random.random() < self.variety.mixed:  # a weaker expression, or one between two
             other = self._neutral if random.random() < 0.6 else self._pick(random) % len(self._poses)
+            other += row - expression
             most = 0.7 if freehand else 0.5
-            face = face.mixed(self._stored(row - expression + other), random.uniform(0.0, most))
+            if self._is_kept[other]:
+                face = face.mixed(self._stored(other), random.uniform(0.0, most))
         if random.random() < self.variety.mixed:  # somebody between two people
             rivals = self._by_expression[expression]
             other = int(rivals[random.integers(len(rivals))]) if len(rivals) else row
@@ -209,6 +211,12 @@ class Examples(IterableDataset):
             self.table.codes[person, expression],
             self._poses[expression],
         )
+
+    def _pick_quiet(self, random: np.random.Generator) -> int:
+        """A face whose mouth is at rest; sometimes its eyes are closed."""
+        expression = self._quiet[-1] if random.random() < 0.15 else self._quiet[0]
+        rows = self._by_expression[expression]
+        return int(rows[random.integers(len(rows))]) if len(rows) else self._pick(random)
 
     def _pick(self, random: np.random.Generator) -> int:
         while True:

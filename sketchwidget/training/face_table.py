@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
+from zipfile import BadZipFile
 
 import numpy as np
 from scipy import sparse
@@ -73,9 +74,12 @@ def tabulate(database: FaceDatabase, path: Path) -> FaceTable:
         unfinished = path.with_suffix(".part.npz")
         wrinkles = np.stack([lines[:, :most] for lines in wrinkles])
         np.savez(unfinished, points=np.stack(points), codes=np.stack(codes).astype(np.float32), wrinkles=wrinkles)
-        unfinished.rename(path)
-    with np.load(path) as stored:
-        return FaceTable(stored["points"], stored["codes"], stored["wrinkles"], lengths)
+        unfinished.replace(path)
+    try:
+        with np.load(path) as stored:
+            return FaceTable(stored["points"], stored["codes"], stored["wrinkles"], lengths)
+    except (BadZipFile, EOFError, KeyError, ValueError) as error:
+        raise ValueError(f"{path} is damaged; remove it to make it anew: {error}") from error
 
 
 def vertex_metric(model: FaceModel) -> np.ndarray:

@@ -7,6 +7,8 @@ import math
 import time
 from dataclasses import dataclass
 from pathlib import Path
+from pickle import UnpicklingError
+from typing import Any
 
 import numpy as np
 import torch
@@ -51,7 +53,7 @@ class Schedule:
         """Learning rate of a step: risen linearly over the first twelfth, then fallen along a cosine to nothing."""
         warm = self.steps / 12
         if step < warm:
-            return self.rate * (step + 1) / warm
+            return self.rate * min(1.0, (step + 1) / warm)
         return self.rate * 0.5 * (1 + math.cos(math.pi * (step - warm) / (self.steps - warm)))
 
 
@@ -63,8 +65,11 @@ def train(
     folder: Path,
     layout: Layout = COMPACT,
     workers: int = 1,
+    about: str = "",
 ) -> PixelShapeCNN:
     """Train a network, or go on from the last checkpoint in `folder`; gives the network of averaged weights.
+
+    What a checkpoint is of, `about` and the layout, is kept in it: another training does not go on from there.
 
     Under ``torchrun`` each process takes its share of the batches, on a GPU of its own where there are some. The loss
     over time goes to `folder`/curve.csv.
@@ -80,7 +85,12 @@ def train(
     checkpoint, done = folder / "checkpoint.pt", 0
     parts = {"network": network, "averaged": averaged, "optimizer": optimizer}
     if checkpoint.exists():
-        state = torch.load(checkpoint, weights_only=True, map_location=team.device)
+        state = _read(checkpoint, team.device)
+        if state.get("about") != about + layout.to_json():
+            raise ValueError(
+                f"{checkpoint} is of another training, of another layout, database or drawings: name another --out or"
+                " --work, or remove it"
+            )
         for name, part in parts.items():
             part.load_state_dict(state[name])
         done = state["step"]
@@ -110,21 +120,30 @@ def train(
             group["lr"] = schedule.rate_at(step)
         optimizer.step()
         averaged.update_parameters(network)
-        recent.append([vertex.item() for _, vertex in losses])
+        recent = [*recent[-49:], [vertex.item() for _, vertex in losses]]
         if team.leads and (step + 1) % 50 == 0:
             means = [f"{mean:.4f}" for mean in np.mean(recent, axis=0)]
             with (folder / "curve.csv").open("a", newline="") as curve:
                 csv.writer(curve).writerow([step + 1, f"{time.monotonic() - began:.0f}", *means])
             bar.set_postfix(mm=" ".join(means))
-            recent = []
         if team.leads and ((step + 1) % schedule.checkpoint == 0 or step + 1 == schedule.steps):
-            state = {name: part.state_dict() for name, part in parts.items()} | {"step": step + 1}
+            state = {name: part.state_dict() for name, part in parts.items()} | {
+                "step": step + 1,
+                "about": about + layout.to_json(),
+            }
             unfinished = checkpoint.with_suffix(".part")
             torch.save(state, unfinished)
-            unfinished.rename(checkpoint)
+            unfinished.replace(checkpoint)
     trained = PixelShapeCNN(model.identity_size, model.expression_size, layout)
     trained.load_state_dict(averaged.module.state_dict())
     return trained.eval()
+
+
+def _read(checkpoint: Path, device: torch.device) -> dict[str, Any]:
+    try:
+        return torch.load(checkpoint, weights_only=True, map_location=device)
+    except (EOFError, OSError, RuntimeError, UnpicklingError) as error:
+        raise ValueError(f"{checkpoint} is damaged; remove it to train anew: {error}") from error
 
 
 def _use_one_thread(_: int) -> None:

@@ -6,15 +6,15 @@ has its fingerprint in the name.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from functools import cached_property
 from pathlib import Path
+from zipfile import BadZipFile
 
 import numpy as np
 
 from ..database.database import FaceDatabase
 from ..database.provenance import provenance
-from ..face.exaggeration import LEVELS
 from ..inference.network import COMPACT, Layout
 from ..inference.regressor import save_network
 from ..inference.shape_code import ShapeModel
@@ -46,8 +46,7 @@ class Pipeline:
     @cached_property
     def table(self) -> FaceTable:
         """What networks train on, of all people."""
-        name = f"table-{self.database.sum[:8]}-{self.database.model.fingerprint[:8]}.npz"
-        return tabulate(self.database, self.work / name)
+        return tabulate(self.database, self._file("table"))
 
     @cached_property
     def kept(self) -> np.ndarray:
@@ -64,9 +63,22 @@ class Pipeline:
     @cached_property
     def shape_model(self) -> ShapeModel:
         """The 2D bilinear model of the lines of the people to train on."""
-        people = np.unique(self.kept // len(self.database.expressions))
-        model = self.database.model
-        return build_shape_model(self.table, people, (model.identity_size, model.expression_size))
+        path = self._file("shape")
+        if not path.exists():
+            people = np.unique(self.kept // len(self.database.expressions))
+            model = self.database.model
+            made = build_shape_model(self.table, people, (model.identity_size, model.expression_size))
+            unfinished = path.with_suffix(".part.npz")
+            np.savez(unfinished, **asdict(made))
+            unfinished.replace(path)
+        try:
+            with np.load(path) as stored:
+                return ShapeModel(**stored)
+        except (BadZipFile, EOFError, TypeError, ValueError) as error:
+            raise ValueError(f"{path} is damaged; remove it to make it anew: {error}") from error
+
+    def _file(self, what: str) -> Path:
+        return self.work / f"{what}-{self.database.sum[:8]}-{self.database.model.fingerprint[:8]}.npz"
 
     def examples(self, variety: Variety, batch: int, people: DrawnExamples | None = None) -> Examples:
         """Training examples without end."""
@@ -99,13 +111,8 @@ class Pipeline:
         folder = self.work / f"{out.stem}-{model.fingerprint[:8]}"
         with team.leader_first():
             examples = self.examples(variety or Variety(), schedule.batch, people)
-        network = train(model, vertex_metric(model), examples, schedule, folder, layout, workers)
+        about = f"{self.database.sum} {variety} {0 if people is None else len(people)} drawings "
+        network = train(model, vertex_metric(model), examples, schedule, folder, layout, workers, about)
         if team.leads:
             made = provenance(command, ("torch", "numpy", "opencv-python-headless")) | self.database.origin
             save_network(out, network, standardisation(model), self.shape_model, model, made)
-
-
-def person_of(number: int, database: FaceDatabase) -> tuple[int, int]:
-    """Row and expression of a face in the table of its database."""
-    face = database[number]
-    return face.identity * LEVELS + face.level - 1, database.expressions.index(face.expression)

@@ -44,12 +44,16 @@ def build_shape_model(table: FaceTable, people: np.ndarray, rank: tuple[int, int
             for person in chosen
         ]
     ).astype(np.float32)
-    rank = (min(rank[0], tensor.shape[0]), min(rank[1], tensor.shape[1]))
-    model = decompose(tensor, rank, components=tensor.shape[2])
-    identities, expressions = model.identities, model.expressions
+    held = (min(rank[0], tensor.shape[0]), min(rank[1], tensor.shape[1]))
+    model = decompose(tensor, held, components=tensor.shape[2])
+    # Of few people, what is left of the rank says nothing: networks expect all of it.
+    more = [(0, wanted - size) for wanted, size in zip(rank, held, strict=True)]
+    core = np.pad(np.einsum("dk,kpq->dpq", model.basis, model.core), [(0, 0), *more])
+    identities = np.pad(model.identities, [(0, 0), more[0]])
+    expressions = np.pad(model.expressions, [(0, 0), more[1]])
     return ShapeModel(
         mean=model.mean,
-        core=np.einsum("dk,kpq->dpq", model.basis, model.core),
+        core=core,
         identity_mean=identities.mean(axis=0),
         identity_std=identities.std(axis=0),
         expression_mean=expressions.mean(axis=0),

@@ -6,9 +6,9 @@
  * Sends   {type: "ready"} when the lines must be drawn: a view is shown; {type: "cancelled"} when a stroke was, and what
  *         it rubbed out or gave the head so far must go;
  *         {type: "stroke", stroke: id, tool, mirror} with one buffer: Float32 (n, 4) x, y, pressure, milliseconds.
- *         {type: "partial", tool, mirror} with such a buffer: the pen's stroke so far. At most 15 a second, and none before
+ *         {type: "partial", stroke: id, mirror} with such a buffer: the pen's stroke so far. At most 15 a second, and none before
  *         the last one was answered: a busy kernel gets fewer of them, never a queue.
- * Takes   {type: "followed"}: the kernel has answered a partial stroke;
+ * Takes   {type: "followed", stroke: id}: the kernel has answered a partial stroke;
  *         {type: "dry", stroke: id}: the kernel has answered that stroke, and drawn what has become of it.
  * Events  on the pad's element, bubbling: "sketchwidget:ink" {detail: {since, drawn}}, the time stamps of the first pointer
  *         event in a drawn frame and of the end of its drawing; "sketchwidget:stroke" {detail: {stroke}} when one is sent.
@@ -79,7 +79,7 @@ async function render({ model, el }) {
   const waiting = new Map(); // id -> a stroke sent and not yet answered
   let frame = 0;
   let since = null;
-  let asked = false; // whether a partial stroke waits for its answer
+  let asked = null; // the stroke of which a part waits for its answer
   let lastAsked = 0;
 
   function style(ctx, tool) {
@@ -146,13 +146,12 @@ async function render({ model, el }) {
   /** Sends the stroke so far, if that is wanted and the kernel has time for it. */
   function ask() {
     const now = performance.now();
-    if (!model.get("live") || asked || stroke.tool !== 0 || now - lastAsked < PARTIAL_EVERY) return;
+    if (!model.get("live") || asked !== null || stroke.tool !== 0 || now - lastAsked < PARTIAL_EVERY) return;
     const points = onPad(stroke.points);
     if (points.length < 2) return;
-    asked = true;
+    asked = stroke.id;
     lastAsked = now;
-    const { tool, mirror } = stroke;
-    model.send({ type: "partial", tool, mirror }, undefined, [Float32Array.from(points.flat()).buffer]);
+    model.send({ type: "partial", stroke: stroke.id, mirror: stroke.mirror }, undefined, [Float32Array.from(points.flat()).buffer]);
   }
 
   function moveRing(event) {
@@ -209,8 +208,8 @@ async function render({ model, el }) {
   }
 
   function answer(message) {
-    if (message.type === "followed") asked = false;
-    else dry(message);
+    if (message.type !== "followed") dry(message);
+    else if (message.stroke === asked) asked = null;
   }
 
   function dry(message) {

@@ -78,7 +78,7 @@ class Ink(anywidget.AnyWidget):
             try:
                 self._partial_callbacks(_points(buffers), bool(content["mirror"]))
             finally:
-                self.send({"type": "followed"})
+                self.send({"type": "followed", "stroke": content["stroke"]})
         elif content.get("type") == "stroke":
             try:
                 self._stroke_callbacks(_points(buffers), TOOLS[content["tool"]], bool(content["mirror"]))

@@ -167,7 +167,7 @@ class Studio(VBox):
     def _on_partial(self, points: np.ndarray, mirror: bool) -> None:
         if self._waking.is_alive():
             return
-        with suppress(ValueError):  # what is no stroke yet may become one, and is told of when it ends
+        with suppress(Exception):  # what is no stroke yet may become one; what fails is told when the stroke ends
             preview = self.session.preview(points[:, :2], mirror=mirror)
             self._head.show(preview.face, preview.frame)
 

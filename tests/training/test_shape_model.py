@@ -49,9 +49,12 @@ def test_coefficients_are_standardised_over_people_and_expressions(pipeline):
     np.testing.assert_allclose(model.expression_mean**2 + model.expression_std**2, 1 / 3, atol=1e-4)
 
 
-def test_the_rank_is_limited_by_people_and_expressions(pipeline):
+def test_what_few_people_leave_of_the_rank_is_empty(pipeline):
     model = build_shape_model(pipeline.table, np.array([0, 5, 7]), (50, 16))
-    assert model.core.shape == (384, 3, 3) and model.size == 6
+    assert model.core.shape == (384, 50, 16) and model.size == 66
+    assert model.core[:, :3, :3].any() and not model.core[:, 3:].any() and not model.core[:, :, 3:].any()
+    code = model.encode(model.decode(np.zeros((1, 66), dtype=np.float32)), np.ones((1, 192)))
+    np.testing.assert_allclose(code, 0, atol=1e-3)
     assert build_shape_model(pipeline.table, np.arange(12), (2, 1)).core.shape == (384, 2, 1)
 
 

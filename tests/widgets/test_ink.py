@@ -51,10 +51,10 @@ def test_a_partial_stroke_is_answered_once_it_was_dealt_with(sent):
     ink, seen = Ink(canvas=MultiCanvas(3)), []
     messages = sent(ink)
     ink.on_partial(lambda points, mirror: seen.append((points, mirror, len(messages))))
-    ink._handle_custom_msg({"type": "partial", "tool": 0, "mirror": True}, [memoryview(STROKE.tobytes())])
+    ink._handle_custom_msg({"type": "partial", "stroke": "a-1", "mirror": True}, [memoryview(STROKE.tobytes())])
     (points, mirror, before) = seen[0]
     np.testing.assert_array_equal(points, STROKE)
-    assert mirror and before == 0 and messages == [({"type": "followed"}, None)]
+    assert mirror and before == 0 and messages == [({"type": "followed", "stroke": "a-1"}, None)]
 
 
 def test_a_stroke_that_was_cancelled_is_heard():
