@@ -47,7 +47,7 @@ def test_lines_are_few_long_and_smooth(model):
                 assert arc_length(line)[-1] > 6.5
                 steps = np.diff(line, axis=0)
                 turns.append(np.diff(np.unwrap(np.arctan2(steps[:, 1], steps[:, 0]))))
-    assert np.quantile(np.abs(np.concatenate(turns)), 0.999) < 1.0
+    assert np.quantile(np.abs(np.concatenate(turns)), 0.99) < 0.8
 
 
 def test_the_region_is_skin_of_the_face_in_front(model):
