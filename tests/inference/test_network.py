@@ -132,6 +132,18 @@ def test_layouts_that_are_none_are_refused(sizes, message):
         Layout.from_json(json.dumps(json.loads(TINY.to_json()) | sizes))
 
 
+@pytest.mark.parametrize("name", list(VARIANTS))
+def test_a_tiny_layout_has_the_same_parts(name):
+    layout = VARIANTS[name].layout
+    tiny = layout.tiny()
+    assert (tiny.convolutions, tiny.branched, tiny.shape > 0) == (
+        layout.convolutions,
+        layout.branched,
+        layout.shape > 0,
+    )
+    assert tiny.hidden == TINY.hidden and PixelShapeCNN(*SIZES, tiny).sizes == SIZES
+
+
 sizes = st.integers(1, 4096)
 stages = st.lists(st.integers(0, 512), min_size=1, max_size=5).map(tuple)
 

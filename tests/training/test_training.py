@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 import torch
 from safetensors import safe_open
+from safetensors.torch import save_file
 from typer.testing import CliRunner
 
 from sketchwidget import FaceModel, FaceRegressor, Sketch, cli
@@ -20,6 +21,7 @@ from sketchwidget.training.face_table import vertex_metric
 from sketchwidget.training.loss import VertexLoss
 from sketchwidget.training.manners import Manner
 from sketchwidget.training.network import Schedule, train
+from sketchwidget.training.pipeline import Pipeline
 from sketchwidget.training.standard import standardisation, standardised_pose
 from sketchwidget.training.team import Team
 
@@ -140,6 +142,38 @@ def test_training_that_was_stopped_goes_on_as_if_it_was_not(database, pipeline, 
     assert {path.name for path in (tmp_path / "stopped").iterdir()} == {"checkpoint.pt"}
 
 
+def test_training_does_not_go_on_from_another_one(database, pipeline, metric, tmp_path):
+    schedule = Schedule(steps=1, batch=2, checkpoint=1)
+
+    def run(layout=TINY, about="a database"):
+        return train(database.model, metric, pipeline.examples(EXACT, 2), schedule, tmp_path, layout, 0, about)
+
+    run()
+    for others in ({"layout": replace(TINY, hidden=32)}, {"about": "another"}):
+        with pytest.raises(ValueError, match=r"checkpoint\.pt is of another training"):
+            run(**others)
+    checkpoint = tmp_path / "checkpoint.pt"
+    checkpoint.write_bytes(checkpoint.read_bytes()[:1000])
+    with pytest.raises(ValueError, match=r"checkpoint\.pt is damaged; remove it"):
+        run()
+
+
+@pytest.mark.parametrize("what", ["table", "shape"])
+def test_what_is_kept_of_a_database_is_named_if_it_is_damaged(database, tmp_path, what):
+    made = Pipeline(database, tmp_path)
+    assert made.shape_model.core.any()
+    (file,) = tmp_path.glob(f"{what}-*.npz")
+    file.write_bytes(file.read_bytes()[:500])
+    with pytest.raises(ValueError, match=rf"{file.name} is damaged; remove it"):
+        _ = Pipeline(database, tmp_path).shape_model if what == "shape" else Pipeline(database, tmp_path).table
+
+
+def test_the_shape_model_is_made_once(database, pipeline):
+    again = Pipeline(database, pipeline.work).shape_model
+    np.testing.assert_array_equal(again.core, pipeline.shape_model.core)
+    np.testing.assert_array_equal(again.identity_std, pipeline.shape_model.identity_std)
+
+
 def test_unseen_faces_are_none_of_those_that_are_trained_on(database, pipeline):
     kept, known, unknown = set(pipeline.kept), set(pipeline.unseen("random", 99)), set(pipeline.unseen("identity", 99))
     assert kept | known | unknown == set(range(len(database)))
@@ -235,7 +269,7 @@ def test_the_command_makes_a_network_of_a_database(database, tiny_network):
     [
         (replace(TINY, shape=0), ("pixels",)),
         (replace(TINY, convolutions="none"), ("shape",)),
-        (TINY, ("pixels", "shape")),
+        (replace(TINY, branched=False), ("pixels", "shape")),
     ],
 )
 def test_networks_of_every_layout_are_made(database, pipeline, tmp_path, layout, sees):
@@ -244,6 +278,20 @@ def test_networks_of_every_layout_are_made(database, pipeline, tmp_path, layout,
     regressor = FaceRegressor.load(str(out), database.model)
     assert regressor.sees == sees and (regressor.shape_model is None) == (sees == ("pixels",))
     assert (pipeline.work / f"{out.stem}-{database.model.fingerprint[:8]}" / "checkpoint.pt").exists()
+
+
+@pytest.mark.parametrize(("variant", "sees"), [("PixelCNN", ("pixels",)), ("ShapeNN", ("shape",))])
+def test_a_tiny_variant_has_the_parts_of_the_variant(
+    folder_beyond_its_model, database, pipeline, tmp_path, variant, sees
+):
+    out = tmp_path / f"tiny{variant}.safetensors"
+    arguments = ("--variant", variant, "--tiny", "--out", out, "--work", pipeline.work)
+    run("train", "network", folder_beyond_its_model, *arguments)
+    regressor = FaceRegressor.load(str(out), database.model)
+    assert regressor.sees == sees
+    if variant == "ShapeNN":
+        with pytest.raises(ValueError, match="sees lines only"):
+            regressor.predict(Sketch.from_strokes([OVAL]))
 
 
 def test_the_command_takes_drawings_by_people(folder_beyond_its_model, database, pipeline, tmp_path):
@@ -323,3 +371,28 @@ def test_bad_use_of_the_commands_ends_with_a_message(tmp_path, monkeypatch, argu
 def test_networks_of_other_models_are_not_evaluated(small_folder, tiny_network, tmp_path):
     result = invoke("evaluate", small_folder, "--network", tiny_network, "--out", tmp_path / "table")
     assert result.exit_code == 1 and "was trained for another face model" in " ".join(result.stderr.split())
+
+
+def test_networks_of_one_name_are_not_evaluated_together(folder_beyond_its_model, tiny_network, pipeline, tmp_path):
+    network = ("--network", tiny_network)
+    arguments = (*network, *network, "--out", tmp_path / "table", "--work", pipeline.work)
+    result = invoke("evaluate", folder_beyond_its_model, *arguments)
+    assert result.exit_code == 1 and "could not be told apart" in " ".join(result.stderr.split())
+
+
+def test_networks_of_other_databases_are_not_evaluated(
+    folder_beyond_its_model, database, tiny_network, pipeline, tmp_path
+):
+    with safe_open(tiny_network, "pt") as file:
+        header, tensors = file.metadata(), {name: file.get_tensor(name) for name in file.keys()}  # noqa: SIM118
+    save_file(tensors, tmp_path / "other.safetensors", header | {"database": "0" * 64})
+    arguments = ("--network", tmp_path / "other.safetensors", "--out", tmp_path / "table", "--work", pipeline.work)
+    result = invoke("evaluate", folder_beyond_its_model, *arguments)
+    assert result.exit_code == 1 and "was trained on another database" in " ".join(result.stderr.split())
+
+
+@pytest.mark.parametrize("command", [("train", "network"), ("evaluate",)])
+def test_a_file_that_cannot_be_written_is_told_before_the_work(folder_beyond_its_model, tmp_path, command):
+    result = invoke(*command, folder_beyond_its_model, "--out", tmp_path, "--work", tmp_path / "work")
+    assert result.exit_code == 1 and "cannot be written" in " ".join(result.stderr.split())
+    assert not any(tmp_path.iterdir())
