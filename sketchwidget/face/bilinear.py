@@ -6,6 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+_RCOND = 1e-3  # of least squares: weights of few people stay small in directions that hardly any mesh has
+
 
 @dataclass(frozen=True)
 class Bilinear:
@@ -75,11 +77,11 @@ def fit(model: Bilinear, mesh: np.ndarray, iterations: int = 10) -> tuple[np.nda
 
     def misfit(expression: np.ndarray) -> float:
         by_identity = model.core @ expression
-        return float(np.linalg.norm(by_identity @ np.linalg.lstsq(by_identity, code, rcond=None)[0] - code))
+        return float(np.linalg.norm(by_identity @ np.linalg.lstsq(by_identity, code, rcond=_RCOND)[0] - code))
 
     v = min(model.expressions, key=misfit)
-    u = np.linalg.lstsq(model.core @ v, code, rcond=None)[0]
+    u = np.linalg.lstsq(model.core @ v, code, rcond=_RCOND)[0]
     for _ in range(iterations):
-        v = np.linalg.lstsq(np.einsum("kpq,p->kq", model.core, u), code, rcond=None)[0]
-        u = np.linalg.lstsq(model.core @ v, code, rcond=None)[0]
+        v = np.linalg.lstsq(np.einsum("kpq,p->kq", model.core, u), code, rcond=_RCOND)[0]
+        u = np.linalg.lstsq(model.core @ v, code, rcond=_RCOND)[0]
     return u.astype(np.float32), v.astype(np.float32)

@@ -53,3 +53,4 @@ def writing(path: Path) -> Iterator[None]:
         yield
     except SafetensorError as error:
         raise OSError(f"{path} cannot be written: {error}") from error
+    path.chmod(0o644)  # safetensors lets nobody else read what it writes

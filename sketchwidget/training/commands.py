@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import shlex
 import sys
 from pathlib import Path
@@ -107,8 +106,13 @@ def evaluate(
 def _require_folder(out: Path) -> None:
     """Fail before the work rather than after it."""
     out.parent.mkdir(parents=True, exist_ok=True)
-    if out.is_dir() or not os.access(out if out.exists() else out.parent, os.W_OK):
-        raise OSError(f"{out} cannot be written")
+    new = not out.exists()
+    try:
+        out.open("ab").close()
+    except OSError as error:
+        raise OSError(f"{out} cannot be written: {error.strerror}") from error
+    if new:
+        out.unlink()
 
 
 def _pipeline(database: Path, work: Path):
