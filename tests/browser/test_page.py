@@ -10,7 +10,7 @@ import pytest
 import trimesh
 from studio_page import OVAL, StudioPage, until
 
-BUTTONS = 15
+BUTTONS = 16
 
 
 def drawn(studio: StudioPage) -> int:
@@ -35,7 +35,7 @@ def test_icons_are_glyphs_of_the_front_ends_font(studio: StudioPage) -> None:
             return [content, fontFamily, icon.getBoundingClientRect().width];
         })"""
     )
-    assert len(icons) == 11
+    assert len(icons) == 12
     for content, family, width in icons:
         assert content not in ("none", "normal", '""') and "Font Awesome" in family and width > 8
     assert studio.page.evaluate("document.fonts.check('900 14px \"Font Awesome 5 Free\"')")
