@@ -75,18 +75,21 @@ class HeadView:
         self.widget = MeshStream(renderer=renderer, geometry=geometry)
         self.widget.on_ready(self._send)
 
-    def show(self, face: Face, frame: View) -> None:
-        """Show another face, standing where ``frame`` has it on the canvas; nothing is sent if it does already."""
+    def show(self, face: Face, frame: View, passing: bool = False) -> None:
+        """Show another face, standing where ``frame`` has it on the canvas; nothing is sent if it does already.
+
+        A passing one is that of a stroke still being drawn: pages leave it out once the pen is up.
+        """
         if face is not self._face or frame is not self._frame:
             self._face, self._frame = face, frame
-            self._send()
+            self._send(passing)
 
     def look(self, preset: str) -> None:
         """Turn to a view by name: front, left, right or three-quarter."""
         self.widget.look(View.preset(preset).rotation[2])
 
-    def _send(self) -> None:
-        self.widget.send_positions(self._face.vertices, self._frame.scale, self._frame.centre)
+    def _send(self, passing: bool = False) -> None:
+        self.widget.send_positions(self._face.vertices, self._frame.scale, self._frame.centre, passing)
 
 
 def _lights() -> list[three.DirectionalLight]:

@@ -6,10 +6,11 @@
  * Sends   {type: "ready"} when the lines must be drawn: a view is shown; {type: "cancelled"} when a stroke was, and what
  *         it rubbed out or gave the head so far must go;
  *         {type: "stroke", stroke: id, tool, mirror} with one buffer: Float32 (n, 4) x, y, pressure, milliseconds.
- *         {type: "partial", stroke: id, mirror} with such a buffer: the pen's stroke so far. At most 15 a second, and none before
- *         the last one was answered: a busy kernel gets fewer of them, never a queue.
+ *         {type: "partial", stroke: id, mirror} with such a buffer: the pen's stroke so far. At most 15 a second, none before
+ *         the last one was answered, and the longer that took, the fewer: a busy kernel never has a queue of them.
  * Takes   {type: "followed", stroke: id}: the kernel has answered a partial stroke;
  *         {type: "dry", stroke: id}: the kernel has answered that stroke, and drawn what has become of it.
+ * Class   "sketchwidget-drawing" on the pad's element while the pen is down.
  * Events  on the pad's element, bubbling: "sketchwidget:ink" {detail: {since, drawn}}, the time stamps of the first pointer
  *         event in a drawn frame and of the end of its drawing; "sketchwidget:stroke" {detail: {stroke}} when one is sent.
  *
@@ -24,6 +25,7 @@ const CANVAS_EVENTS = [
 // Browsers hold pointermove back until the next frame; the raw event comes at once, where there is one.
 const MOVED = "onpointerrawupdate" in window ? "pointerrawupdate" : "pointermove";
 const PARTIAL_EVERY = 1000 / 15; // milliseconds
+const REST = 3; // times what an answer takes: so long, at least, from one to the next, or the end of a stroke would wait
 const PEN_ERASER_BUTTON = 32; // PointerEvent.buttons of a stylus turned over
 
 const clamp = (value) => Math.min(1, Math.max(0, value));
@@ -81,6 +83,7 @@ async function render({ model, el }) {
   let since = null;
   let asked = null; // the stroke of which a part waits for its answer
   let lastAsked = 0;
+  let took = 0; // milliseconds that the last answer took
 
   function style(ctx, tool) {
     ctx.lineCap = ctx.lineJoin = "round";
@@ -146,7 +149,7 @@ async function render({ model, el }) {
   /** Sends the stroke so far, if that is wanted and the kernel has time for it. */
   function ask() {
     const now = performance.now();
-    if (!model.get("live") || asked !== null || stroke.tool !== 0 || now - lastAsked < PARTIAL_EVERY) return;
+    if (!model.get("live") || asked !== null || stroke.tool !== 0 || now - lastAsked < Math.max(PARTIAL_EVERY, REST * took)) return;
     const points = onPad(stroke.points);
     if (points.length < 2) return;
     asked = stroke.id;
@@ -165,6 +168,7 @@ async function render({ model, el }) {
     pad.focus({ preventScroll: true });
     pad.setPointerCapture(event.pointerId);
     words.hidden = true;
+    pad.classList.add("sketchwidget-drawing");
     stroke = {
       id: `${page}-${count++}`,
       pointer: event.pointerId,
@@ -192,6 +196,7 @@ async function render({ model, el }) {
     paint();
     const { id, tool, mirror, points } = stroke;
     stroke = null;
+    pad.classList.remove("sketchwidget-drawing");
     const kept = onPad(points);
     waiting.set(id, { tool, mirror, points: kept });
     repaint();
@@ -202,6 +207,7 @@ async function render({ model, el }) {
   function cancel(event) {
     if (event.pointerId !== stroke?.pointer) return;
     stroke = null;
+    pad.classList.remove("sketchwidget-drawing");
     repaint();
     showWords();
     model.send({ type: "cancelled" });
@@ -209,7 +215,10 @@ async function render({ model, el }) {
 
   function answer(message) {
     if (message.type !== "followed") dry(message);
-    else if (message.stroke === asked) asked = null;
+    else if (message.stroke === asked) {
+      asked = null;
+      took = performance.now() - lastAsked;
+    }
   }
 
   function dry(message) {

@@ -2,8 +2,9 @@
  *
  * Model   renderer, geometry: "IPY_MODEL_<id>" of the pythreejs Renderer (orthographic camera, orbit controls) and geometry.
  * Sends   {type: "ready"} when the page can take positions.
- * Takes   {type: "mesh", serial, scale, centre: [x, y]} with one buffer: Float32 (V, 3), millimetres. `scale` (canvas units a
- *         millimetre) and `centre` place the head's origin on the unit square that the view shows, y down;
+ * Takes   {type: "mesh", serial, passing, scale, centre: [x, y]} with one buffer: Float32 (V, 3), millimetres. `scale` (canvas units a
+ *         millimetre) and `centre` place the head's origin on the unit square that the view shows, y down; a passing one
+ *         counts only while a pad on the page has the class "sketchwidget-drawing";
  *         {type: "look", direction: [x, y, z]}: turn until the camera looks from there, zoom and shift undone.
  * Events  on the view's element, bubbling: "sketchwidget:frame" {detail: {serial, drawn}} after a mesh is rendered. That
  *         element has a property `sketchwidget` = {geometry, camera, serial}, the three.js objects on show.
@@ -46,10 +47,13 @@ export default () => {
     for (const { view } of views) view.renderScene();
   }
 
+  const isLate = (message) => message.passing && !document.querySelector(".sketchwidget-drawing");
+
   function apply() {
     frame = 0;
     const { message, buffer } = pending;
     pending = null;
+    if (isLate(message)) return;
     setPositions(buffer);
     setFrame(message.scale, message.centre);
     renderAll();
@@ -109,7 +113,7 @@ export default () => {
   function initialize({ model }) {
     connected = connect(model);
     model.on("msg:custom", (message, buffers) => {
-      if (message.type === "mesh") {
+      if (message.type === "mesh" && !isLate(message)) {
         pending = { message, buffer: buffers[0] };
         connected.then(() => (frame ||= requestAnimationFrame(apply)));
       } else if (message.type === "look") {

@@ -43,7 +43,7 @@ class MeshStream(anywidget.AnyWidget):
         """Call ``callback()`` when a page is ready for positions; it has none, or old ones, until they are sent."""
         self._ready_callbacks.register_callback(callback)
 
-    def send_positions(self, positions: np.ndarray, scale: float, centre: np.ndarray) -> None:
+    def send_positions(self, positions: np.ndarray, scale: float, centre: np.ndarray, passing: bool = False) -> None:
         """Show new positions.
 
         Parameters
@@ -52,11 +52,14 @@ class MeshStream(anywidget.AnyWidget):
             Millimetres, in the order of the geometry's vertices.
         scale, centre : float, (2,) array
             Canvas units per millimetre, and where the origin falls on the canvas, as in `View`.
+        passing : bool
+            Whether they are of no use once the pen is up.
         """
         self._serial += 1
         frame = {"scale": float(scale), "centre": [float(value) for value in centre]}
         self.send(
-            {"type": "mesh", "serial": self._serial, **frame}, [np.ascontiguousarray(positions, dtype="<f4").data]
+            {"type": "mesh", "serial": self._serial, "passing": passing, **frame},
+            [np.ascontiguousarray(positions, dtype="<f4").data],
         )
 
     def look(self, direction: np.ndarray) -> None:

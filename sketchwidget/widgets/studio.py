@@ -169,7 +169,7 @@ class Studio(VBox):
             return
         with suppress(Exception):  # what is no stroke yet may become one; what fails is told when the stroke ends
             preview = self.session.preview(points[:, :2], mirror=mirror)
-            self._head.show(preview.face, preview.frame)
+            self._head.show(preview.face, preview.frame, passing=True)
 
     def _on_undo(self) -> None:
         with self._status.reporting("Nothing could be undone"):
