@@ -24,10 +24,8 @@ from .pipeline import Pipeline
 from .standard import standardisation
 
 _BATCH = 50
-_PRIOR_ERRORS, _FITTING_STEPS = (
-    (1.0, 1.0),
-    8,
-)  # of the morphable model's fit: what is best on faces that networks train on
+_PRIOR_ERRORS = (1.0, 1.0)  # of the morphable model's fit: the spread of the model's own weights
+_FITTING_STEPS = 8
 
 Weights = tuple[np.ndarray, np.ndarray]
 Method = Callable[["TestSet"], Weights]
