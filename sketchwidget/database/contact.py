@@ -22,6 +22,7 @@ _LIP_REACH = 16.0  # how far from the contact the lips move when they part
 _GAP_MM = 0.05  # between lips that were parted
 _CLEARANCE_MM = 0.15  # of lids over the eyeball
 _TEETH_MM = 1.5  # of skin in front of the teeth
+_COVER_MM = 10.0  # behind the teeth: skin that lies deeper is the back of the head, seen through an open mouth
 _FAR = 60.0  # mm: distances along the surface end there
 _STEP = 1.0  # mm along the mouth
 _ROUNDS = 6
@@ -147,8 +148,9 @@ class Contact:
         skin = self._template.subdivision @ head
         for row in self._rows:
             point, above = covering(head[row], skin, self._skin)
+            near = above > -_COVER_MM
             outermost = np.full(len(row), -np.inf)
-            np.maximum.at(outermost, point, above)
+            np.maximum.at(outermost, point[near], above[near])
             covered = np.isfinite(outermost)
             head[row, 2] -= np.maximum(_TEETH_MM - outermost[covered], 0.0).max(initial=0.0)
         return head

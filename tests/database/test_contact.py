@@ -101,10 +101,7 @@ def test_teeth_behind_the_skin_stay_where_they_are(source, contact, posed):
     assert contact.seated(head).dtype == head.dtype
 
 
-FAR_BEHIND = pytest.mark.xfail(strict=True, reason="skin far behind an open mouth counts as if it covered the teeth")
-
-
-@pytest.mark.parametrize("expression", ["laugh", "shout", pytest.param("jaw_drop", marks=FAR_BEHIND)])
+@pytest.mark.parametrize("expression", ["laugh", "shout", "jaw_drop"])
 def test_teeth_that_an_open_mouth_shows_stay_where_they_are(contact, posed, expression):
     head = posed[expression]
     np.testing.assert_array_equal(contact.seated(head), head)
