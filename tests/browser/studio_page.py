@@ -30,6 +30,20 @@ def until(get: Callable[[], T], holds: Callable[[T], bool] = bool, what: str = "
         time.sleep(0.05)
 
 
+def settled(get: Callable[[], T], seconds: float = 1.0) -> T:
+    """Poll until what was got is something and steady for a while: lines are drawn anew once they have names."""
+    last, since = get(), time.monotonic()
+
+    def steady() -> bool:
+        nonlocal last, since
+        if (value := get()) != last:
+            last, since = value, time.monotonic()
+        return bool(last) and time.monotonic() - since > seconds
+
+    until(steady, what="a steady value")
+    return last
+
+
 class StudioPage:
     """One Studio of a page, by its number in reading order."""
 

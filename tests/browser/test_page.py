@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import trimesh
-from studio_page import OVAL, StudioPage, until
+from studio_page import OVAL, StudioPage, settled, until
 
 BUTTONS = 16
 
@@ -19,7 +19,7 @@ def drawn(studio: StudioPage) -> int:
     studio.draw(OVAL)
     studio.wait_for_frame(before)
     until(lambda: studio.message, lambda said: said.startswith("Stroke drawn"), "the word of the stroke")
-    return until(studio.ink_pixels)
+    return settled(studio.ink_pixels)
 
 
 def test_every_button_has_a_tooltip_that_names_its_key(studio: StudioPage) -> None:
