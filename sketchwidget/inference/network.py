@@ -53,6 +53,12 @@ class Layout:
         if self.convolutions == "none" and not self.shape:
             raise ValueError("a network sees pixels or shape; this layout has neither")
 
+    @property
+    def answers(self) -> tuple[str, ...]:
+        """What a network of this layout answers to: "pixels", "shape" (with the pixels, if it sees them), or both."""
+        seen = () if self.convolutions == "none" else ("pixels",)
+        return (*seen, "shape") if self.shape else seen
+
     def tiny(self) -> Layout:
         """The same parts in small, to see them run."""
         small = {name: getattr(TINY, name) for name in ("channels", "blocks", "bottleneck", "hidden", "branch")}

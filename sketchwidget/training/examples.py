@@ -183,7 +183,7 @@ class Examples(IterableDataset):
             other = int(rivals[random.integers(len(rivals))]) if len(rivals) else row
             face = face.mixed(self._stored(other), random.uniform(0.0, 0.5))
         if freehand and self._reshaping is not None and random.random() < 0.5:
-            ratio = math.exp(random.normal(0.07, 0.13) / 2)  # of width and height, the area kept
+            ratio = math.exp(random.normal(0.07, 0.16) / 2)  # of width and height, the area kept
             jaw, crown = random.normal(0.0, 0.2), random.normal(0.0, 0.07)
             amounts = {"width": ratio - 1, "height": 1 / ratio - 1, "jaw": jaw, "crown": crown}
             rest, _ = self._reshaping(face.rest, face.code, amounts)

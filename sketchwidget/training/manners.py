@@ -122,7 +122,9 @@ def _freehand(
     recognised = {name: name in present and random.random() >= _UNNAMED for name in LINES}
     off = np.concatenate([np.tile(random.normal(0.0, _JITTER, 2), (count, 1)) for count in COUNTS.values()])
     seen = np.concatenate([np.full(count, recognised[name]) for name, count in COUNTS.items()])
-    points = frame(sample(lines)) + off + random.normal(0.0, _JITTER / 2, off.shape)
+    # What is drawn of an outline may be open; the lines are coded where the whole head stands.
+    head = Frame.of_outline(lines[SILHOUETTE]) if "outline" in drawn else Frame()
+    points = head(sample(lines)) + off + random.normal(0.0, _JITTER / 2, off.shape)
     return Drawn(rasterise([frame(stroke) for stroke in strokes]), points, seen)
 
 

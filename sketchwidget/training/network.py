@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import csv
 import math
 import time
+from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
-from pickle import UnpicklingError
 from typing import Any
 
 import numpy as np
@@ -21,11 +20,14 @@ from tqdm import tqdm
 
 from ..face.model import FaceModel
 from ..inference.network import COMPACT, Layout, PixelShapeCNN
+from .checkpoint import Checkpoints
+from .curve import Curve
 from .examples import Examples
 from .loss import VertexLoss
 from .team import Team
 
 _AVERAGING = 0.999  # of the weights, from step to step
+_WARMING_STEPS = 500  # in which the learning rate rises
 _POSE_WEIGHT = 0.5  # mm that the loss counts for a standard deviation's error in every expression weight
 
 
@@ -33,28 +35,35 @@ _POSE_WEIGHT = 0.5  # mm that the loss counts for a standard deviation's error i
 class Schedule:
     """How long and how fast to train.
 
+    The learning rate rises, stays level and falls in the last fifth: until then a training is the beginning of any
+    longer one.
+
     Parameters
     ----------
     steps : int
         Batches in all, of each process.
     batch : int
     rate : float
-        Highest learning rate; warmed up to, then lowered along a cosine.
+        Level learning rate.
     checkpoint : int
         Steps between checkpoints.
     """
 
     steps: int = 15_000
     batch: int = 32
-    rate: float = 1.5e-3
-    checkpoint: int = 500
+    rate: float = 1.2e-3
+    checkpoint: int = 400
+
+    @property
+    def level(self) -> int:
+        """Steps before the learning rate falls."""
+        return self.steps - self.steps // 5
 
     def rate_at(self, step: int) -> float:
-        """Learning rate of a step: risen linearly over the first twelfth, then fallen along a cosine to nothing."""
-        warm = self.steps / 12
-        if step < warm:
-            return self.rate * min(1.0, (step + 1) / warm)
-        return self.rate * 0.5 * (1 + math.cos(math.pi * (step - warm) / (self.steps - warm)))
+        """Learning rate of a step."""
+        if step < self.level:
+            return self.rate * min(1.0, (step + 1) / _WARMING_STEPS)
+        return self.rate * (1 - math.sqrt((step - self.level + 1) / (self.steps - self.level + 1)))
 
 
 def train(
@@ -66,13 +75,15 @@ def train(
     layout: Layout = COMPACT,
     workers: int = 1,
     about: str = "",
+    unseen: Examples | None = None,
 ) -> PixelShapeCNN:
     """Train a network, or go on from the last checkpoint in `folder`; gives the network of averaged weights.
 
     What a checkpoint is of, `about` and the layout, is kept in it: another training does not go on from there.
 
     Under ``torchrun`` each process takes its share of the batches, on a GPU of its own where there are some. The loss
-    over time goes to `folder`/curve.csv.
+    of each answer over time goes to `folder`/curve.csv, that of the averaged network on the first batch of `unseen`
+    examples to `folder`/unseen.csv.
     """
     team = Team.join()
     torch.manual_seed(examples.seed)
@@ -82,18 +93,9 @@ def train(
     averaged = AveragedModel(network, multi_avg_fn=get_ema_multi_avg_fn(_AVERAGING), use_buffers=True)
     loss_of = VertexLoss(model, metric).to(team.device)
     optimizer = torch.optim.AdamW(network.parameters(), lr=schedule.rate, weight_decay=0.01, fused=True)
-    checkpoint, done = folder / "checkpoint.pt", 0
     parts = {"network": network, "averaged": averaged, "optimizer": optimizer}
-    if checkpoint.exists():
-        state = _read(checkpoint, team.device)
-        if state.get("about") != about + layout.to_json():
-            raise ValueError(
-                f"{checkpoint} is of another training, of another layout, database or drawings: name another --out or"
-                " --work, or remove it"
-            )
-        for name, part in parts.items():
-            part.load_state_dict(state[name])
-        done = state["step"]
+    checkpoints = Checkpoints(folder, parts, about + layout.to_json())
+    done, spent = checkpoints.resume(schedule.steps, schedule.level, team.device)
     shared = DistributedDataParallel(network) if team.size > 1 else network
     examples.start, examples.stride = done * team.size + team.rank, team.size
     ahead = 4 if workers else None
@@ -101,13 +103,14 @@ def train(
         examples, batch_size=None, num_workers=workers, prefetch_factor=ahead, worker_init_fn=_use_one_thread
     )
     batches = iter(loader)
+    curves = _curves(folder, done, layout.answers) if team.leads else None
+    test = None if unseen is None else _on_device(unseen.numbered(0), team.device)
 
     network.train()
-    began, recent = time.monotonic(), []
+    began, recent = time.monotonic() - spent, []
     bar = tqdm(range(done, schedule.steps), initial=done, total=schedule.steps, unit="batch", disable=not team.leads)
     for step in bar:
-        images, shapes, codes, poses = (batch.to(team.device) for batch in next(batches))
-        images = images.to(torch.float32).contiguous(memory_format=torch.channels_last)
+        images, shapes, codes, poses = _on_device(next(batches), team.device)
         with torch.autocast(team.device.type, torch.bfloat16):
             answers = shared(images, shapes)
         losses = [
@@ -121,29 +124,40 @@ def train(
         optimizer.step()
         averaged.update_parameters(network)
         recent = [*recent[-49:], [vertex.item() for _, vertex in losses]]
-        if team.leads and (step + 1) % 50 == 0:
-            means = [f"{mean:.4f}" for mean in np.mean(recent, axis=0)]
-            with (folder / "curve.csv").open("a", newline="") as curve:
-                csv.writer(curve).writerow([step + 1, f"{time.monotonic() - began:.0f}", *means])
-            bar.set_postfix(mm=" ".join(means))
-        if team.leads and ((step + 1) % schedule.checkpoint == 0 or step + 1 == schedule.steps):
-            state = {name: part.state_dict() for name, part in parts.items()} | {
-                "step": step + 1,
-                "about": about + layout.to_json(),
-            }
-            unfinished = checkpoint.with_suffix(".part")
-            torch.save(state, unfinished)
-            unfinished.replace(checkpoint)
+        if curves is None:
+            continue
+        now = step + 1
+        if now % 50 == 0:
+            means = np.mean(recent, axis=0).tolist()
+            curves[0].add(now, time.monotonic() - began, means)
+            bar.set_postfix(mm=" ".join(f"{mean:.3f}" for mean in means))
+        if now % schedule.checkpoint == 0 or now in (schedule.level, schedule.steps):
+            checkpoints.keep(now, time.monotonic() - began, schedule.steps, schedule.level)
+            if test is not None:
+                curves[1].add(now, time.monotonic() - began, _tested(averaged.module, loss_of, test))
     trained = PixelShapeCNN(model.identity_size, model.expression_size, layout)
     trained.load_state_dict(averaged.module.state_dict())
     return trained.eval()
 
 
-def _read(checkpoint: Path, device: torch.device) -> dict[str, Any]:
-    try:
-        return torch.load(checkpoint, weights_only=True, map_location=device)
-    except (EOFError, OSError, RuntimeError, UnpicklingError) as error:
-        raise ValueError(f"{checkpoint} is damaged; remove it to train anew: {error}") from error
+def _curves(folder: Path, done: int, answers: tuple[str, ...]) -> tuple[Curve, Curve]:
+    return Curve(folder / "curve.csv", [*answers], done), Curve(folder / "unseen.csv", [*answers], done)
+
+
+def _on_device(batch: Iterable[Any], device: torch.device) -> list[Tensor]:
+    images, *others = (torch.as_tensor(values).to(device) for values in batch)
+    return [images.to(torch.float32).contiguous(memory_format=torch.channels_last), *others]
+
+
+def _tested(network: nn.Module, loss_of: VertexLoss, batch: list[Tensor]) -> list[float]:
+    """Vertex loss of each answer of a network on a batch."""
+    images, shapes, codes, _ = batch
+    training = network.training
+    network.eval()
+    with torch.inference_mode(), torch.autocast(images.device.type, torch.bfloat16):
+        answers = network(images, shapes)
+    network.train(training)
+    return [loss_of(identity.float(), expression.float(), codes).item() for identity, expression in answers]
 
 
 def _use_one_thread(_: int) -> None:

@@ -21,6 +21,7 @@ from ..inference.shape_code import ShapeModel
 from .drawings import DrawnExamples
 from .examples import Examples, Variety
 from .face_table import FaceTable, tabulate, vertex_metric
+from .manners import Manner
 from .network import Schedule, train
 from .reshaping import Reshaping
 from .shape_model import build_shape_model
@@ -28,6 +29,8 @@ from .standard import standardisation, standardised_pose
 from .team import Team
 
 SEED = 7
+# Drawings that a training is followed by: the paper's augmentation, of faces as they are.
+_TEST = Variety(manners={Manner.AUGMENTED: 1.0}, mixed=0.0)
 
 
 @dataclass(frozen=True)
@@ -80,12 +83,14 @@ class Pipeline:
     def _file(self, what: str) -> Path:
         return self.work / f"{what}-{self.database.sum[:8]}-{self.database.model.fingerprint[:8]}.npz"
 
-    def examples(self, variety: Variety, batch: int, people: DrawnExamples | None = None) -> Examples:
-        """Training examples without end."""
+    def examples(
+        self, variety: Variety, batch: int, people: DrawnExamples | None = None, of: np.ndarray | None = None
+    ) -> Examples:
+        """Examples without end, of the faces to train on or of others, given by their numbers."""
         model = self.database.model
         return Examples(
             self.table,
-            self.kept,
+            self.kept if of is None else of,
             model.expressions,
             standardised_pose(model, model.bilinear.expressions),
             self.shape_model,
@@ -111,8 +116,9 @@ class Pipeline:
         folder = self.work / f"{out.stem}-{model.fingerprint[:8]}"
         with team.leader_first():
             examples = self.examples(variety or Variety(), schedule.batch, people)
+            unseen = self.examples(_TEST, 8 * schedule.batch, of=self.database.split("identity", SEED)[1])
         about = f"{self.database.sum} {variety} {0 if people is None else len(people)} drawings "
-        network = train(model, vertex_metric(model), examples, schedule, folder, layout, workers, about)
+        network = train(model, vertex_metric(model), examples, schedule, folder, layout, workers, about, unseen)
         if team.leads:
             made = provenance(command, ("torch", "numpy", "opencv-python-headless")) | self.database.origin
             save_network(out, network, standardisation(model), self.shape_model, model, made)

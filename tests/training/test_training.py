@@ -1,6 +1,5 @@
 """Training a network: its loss, its schedule, its team, and the commands."""
 
-import csv
 import subprocess
 import sys
 from dataclasses import replace
@@ -16,6 +15,7 @@ from sketchwidget import FaceModel, FaceRegressor, Sketch, cli
 from sketchwidget.database.drawings import Drawing, write_drawings
 from sketchwidget.inference.network import TINY, PixelShapeCNN
 from sketchwidget.training import network as training
+from sketchwidget.training.curve import Curve, read_curve
 from sketchwidget.training.examples import Variety
 from sketchwidget.training.face_table import vertex_metric
 from sketchwidget.training.loss import VertexLoss
@@ -77,15 +77,18 @@ def test_the_vertex_loss_is_a_distance_in_millimetres(database, metric):
     assert np.sqrt(held @ metric @ held) <= 3.01
 
 
-def test_learning_rate_rises_then_falls_to_nothing():
-    schedule = Schedule(steps=120, rate=1.0)
-    rates = [schedule.rate_at(step) for step in range(120)]
-    assert np.argmax(rates) in (9, 10) and max(rates) == pytest.approx(1.0)
-    assert rates[-1] < 0.01 and (np.diff(rates[10:]) < 0).all()
+def test_learning_rate_rises_stays_level_and_falls_to_nothing():
+    schedule = Schedule(steps=5000, rate=1.0)
+    rates = np.array([schedule.rate_at(step) for step in range(5000)])
+    assert schedule.level == 4000
+    np.testing.assert_allclose(np.diff(rates[:500]), 1 / 500)
+    assert (rates[500:4000] == 1.0).all()
+    assert (np.diff(rates[3999:]) < 0).all() and 0 < rates[-1] < 0.01
 
 
 def test_training_learns_and_tells_how_it_goes(database, pipeline, metric, tmp_path, monkeypatch):
     monkeypatch.setattr(training, "_AVERAGING", 0.8)
+    monkeypatch.setattr(training, "_WARMING_STEPS", 5)
     model, examples = database.model, pipeline.examples(EXACT, 8)
     schedule = Schedule(steps=60, batch=8, rate=5e-3, checkpoint=25)
     trained = train(model, metric, examples, schedule, tmp_path / "run", TINY, workers=0)
@@ -100,19 +103,20 @@ def test_training_learns_and_tells_how_it_goes(database, pipeline, metric, tmp_p
             return [loss(*answer, codes).item() for answer in network(images.float(), shapes)]
 
     assert all(after < 0.7 * before for before, after in zip(errors(untrained), errors(trained), strict=True))
-    with (tmp_path / "run" / "curve.csv").open(newline="") as file:
-        ((step, _, pixels, shape),) = csv.reader(file)
-    assert step == "50" and float(pixels) > 0 and float(shape) > 0
+    columns, ((step, _, pixels, shape),) = read_curve(tmp_path / "run" / "curve.csv")
+    assert columns == ["step", "seconds", "pixels", "shape"]
+    assert step == 50 and pixels > 0 and shape > 0
 
 
 class Stopped(Exception):
     pass
 
 
-def test_training_that_was_stopped_goes_on_as_if_it_was_not(database, pipeline, metric, tmp_path):
-    schedule = Schedule(steps=6, batch=2, checkpoint=2)
+@pytest.fixture
+def sitting(database, pipeline, metric, tmp_path):
+    """One sitting of a training in a folder: the network, if it was not stopped, and the batches that it saw."""
 
-    def run(folder, stop_at=None):
+    def sit(folder, steps, stop_at=None):
         examples = pipeline.examples(Variety(), 2)
         numbered, seen = examples.numbered, []
 
@@ -123,23 +127,62 @@ def test_training_that_was_stopped_goes_on_as_if_it_was_not(database, pipeline, 
             return numbered(number)
 
         examples.numbered = counted
+        schedule, unseen = Schedule(steps=steps, batch=2, checkpoint=2), pipeline.examples(EXACT, 4)
         try:
-            return train(database.model, metric, examples, schedule, tmp_path / folder, TINY, workers=0), seen
+            return train(
+                database.model, metric, examples, schedule, tmp_path / folder, TINY, workers=0, unseen=unseen
+            ), seen
         except Stopped:
             return None, seen
 
-    whole, seen = run("whole")
+    return sit
+
+
+def assert_same_weights(one, other, **tolerance):
+    for name, weight in other.state_dict().items():
+        torch.testing.assert_close(one.state_dict()[name], weight, msg=name, **tolerance)
+
+
+def test_training_that_was_stopped_goes_on_as_if_it_was_not(sitting, tmp_path):
+    whole, seen = sitting("whole", 6)
     assert seen == [0, 1, 2, 3, 4, 5]
-    assert run("stopped", stop_at=5) == (None, [0, 1, 2, 3, 4])
-    assert torch.load(tmp_path / "stopped" / "checkpoint.pt", weights_only=True)["step"] == 4
-    resumed, seen = run("stopped")
-    assert seen == [4, 5]
-    for name, weight in whole.state_dict().items():
-        torch.testing.assert_close(resumed.state_dict()[name], weight, atol=1e-4, rtol=1e-3, msg=name)
-    again, seen = run("stopped")
+    assert sitting("stopped", 6, stop_at=5) == (None, [0, 1, 2, 3, 4])
+    assert torch.load(tmp_path / "stopped" / "last.pt", weights_only=True)["step"] == 5
+    resumed, seen = sitting("stopped", 6)
+    assert seen == [5]
+    assert_same_weights(resumed, whole, atol=1e-4, rtol=1e-3)
+    again, seen = sitting("stopped", 6)
     assert seen == []
-    assert all(torch.equal(again.state_dict()[name], weight) for name, weight in resumed.state_dict().items())
-    assert {path.name for path in (tmp_path / "stopped").iterdir()} == {"checkpoint.pt"}
+    assert_same_weights(again, resumed, atol=0, rtol=0)
+    kept = {"last.pt", "level.pt", "curve.csv", "unseen.csv"}
+    assert {path.name for path in (tmp_path / "stopped").iterdir()} == kept
+    columns, rows = read_curve(tmp_path / "stopped" / "unseen.csv")
+    assert columns == ["step", "seconds", "pixels", "shape"]
+    assert [row[0] for row in rows] == [2, 4, 5, 6]
+    assert (np.diff([row[1] for row in rows]) >= 0).all()
+    _, expected = read_curve(tmp_path / "whole" / "unseen.csv")
+    np.testing.assert_allclose(np.array(rows)[:, 2:], np.array(expected)[:, 2:], rtol=1e-3)
+
+
+def test_a_longer_training_goes_on_from_where_the_rate_had_not_yet_fallen(sitting):
+    long, _ = sitting("long", 10)
+    sitting("lengthened", 5)  # the rate falls in its last step
+    lengthened, seen = sitting("lengthened", 10)
+    assert seen == [4, 5, 6, 7, 8, 9]
+    assert_same_weights(lengthened, long, atol=1e-4, rtol=1e-3)
+    with pytest.raises(ValueError, match=r"is at step 8, where one of 5 steps would be slower already"):
+        sitting("lengthened", 5)
+
+
+def test_a_curve_drops_what_a_training_does_again(tmp_path):
+    path = tmp_path / "curve.csv"
+    curve = Curve(path, ["pixels"], 0)
+    for step in (50, 100, 150):
+        curve.add(step, 2.0 * step, [1 / step])
+    Curve(path, ["pixels"], 120).add(150, 310.0, [0.25])
+    columns, rows = read_curve(path)
+    assert columns == ["step", "seconds", "pixels"]
+    assert rows == [[50, 100, 0.02], [100, 200, 0.01], [150, 310, 0.25]]
 
 
 def test_training_does_not_go_on_from_another_one(database, pipeline, metric, tmp_path):
@@ -150,11 +193,11 @@ def test_training_does_not_go_on_from_another_one(database, pipeline, metric, tm
 
     run()
     for others in ({"layout": replace(TINY, hidden=32)}, {"about": "another"}):
-        with pytest.raises(ValueError, match=r"checkpoint\.pt is of another training"):
+        with pytest.raises(ValueError, match=r"last\.pt is of another training"):
             run(**others)
-    checkpoint = tmp_path / "checkpoint.pt"
+    checkpoint = tmp_path / "last.pt"
     checkpoint.write_bytes(checkpoint.read_bytes()[:1000])
-    with pytest.raises(ValueError, match=r"checkpoint\.pt is damaged; remove it"):
+    with pytest.raises(ValueError, match=r"last\.pt is damaged; remove it"):
         run()
 
 
@@ -232,7 +275,7 @@ torch.save({{"seen": seen, "weights": dict(network.named_parameters())}}, f"rank
     assert (one["seen"], other["seen"]) == ([0, 2, 4], [1, 3, 5])
     for name, weight in one["weights"].items():
         torch.testing.assert_close(other["weights"][name], weight, atol=1e-6, rtol=1e-5, msg=name)
-    assert torch.load(tmp_path / "run" / "checkpoint.pt", weights_only=True)["step"] == 3
+    assert torch.load(tmp_path / "run" / "last.pt", weights_only=True)["step"] == 3
 
 
 def invoke(*arguments):
@@ -277,7 +320,7 @@ def test_networks_of_every_layout_are_made(database, pipeline, tmp_path, layout,
     pipeline.train_network(out, "a test", schedule, layout, Variety(wrinkles=0.0), workers=0)
     regressor = FaceRegressor.load(str(out), database.model)
     assert regressor.sees == sees and (regressor.shape_model is None) == (sees == ("pixels",))
-    assert (pipeline.work / f"{out.stem}-{database.model.fingerprint[:8]}" / "checkpoint.pt").exists()
+    assert (pipeline.work / f"{out.stem}-{database.model.fingerprint[:8]}" / "last.pt").exists()
 
 
 @pytest.mark.parametrize(("variant", "sees"), [("PixelCNN", ("pixels",)), ("ShapeNN", ("shape",))])
