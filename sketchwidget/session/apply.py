@@ -8,17 +8,21 @@ import numpy as np
 
 from sketchwidget.sketch import UNNAMED, Sketch, erase
 
-from .events import Clear, Draw, Erase, Event
+from . import followup
+from .events import Clear, Draw, Erase, Event, Mode, StartFromTemplate
+from .modeller import Modeller
 from .state import State
 
 
-def apply(state: State, event: Event) -> State:
-    """The state after an edit.
+def apply(state: State, event: Event, modeller: Modeller) -> State:
+    """The state after an edit; pure, given the modeller.
 
     Parameters
     ----------
     state : State
-    event : Draw, Erase or Clear
+    event : Event
+    modeller : Modeller
+        Asked for the head on show by what needs one: entering the follow-up mode, for instance.
 
     Returns
     -------
@@ -28,12 +32,22 @@ def apply(state: State, event: Event) -> State:
     Raises
     ------
     ValueError
-        If the sketch would hold more strokes than it can.
+        If the edit cannot be done; the message says why.
     TypeError
         If the event is no edit: what Undo and Redo mean depends on a history.
     """
-    sketch = _edited(state.sketch, event)
-    return state if sketch is state.sketch else replace(state, sketch=sketch)
+    match event:
+        case Mode(mode=mode):
+            return state if mode == state.mode else _switched(state, mode, modeller)
+        case StartFromTemplate():
+            return followup.from_template(modeller)
+        case _:
+            sketch = _edited(state.sketch, event)
+            return state if sketch is state.sketch else replace(state, sketch=sketch)
+
+
+def _switched(state: State, mode: str, modeller: Modeller) -> State:
+    return followup.entered(state, modeller) if mode == "followup" else replace(state, mode=mode)
 
 
 def _edited(sketch: Sketch, event: Event) -> Sketch:
@@ -47,4 +61,4 @@ def _edited(sketch: Sketch, event: Event) -> Sketch:
         case Clear():
             return Sketch() if len(sketch) else sketch
         case _:
-            raise TypeError(f"an edit is a Draw, Erase or Clear; given {event!r}")
+            raise TypeError(f"an edit is a Draw, Erase, Clear, Mode or StartFromTemplate; given {event!r}")

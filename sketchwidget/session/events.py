@@ -12,6 +12,7 @@ from sketchwidget.sketch import as_stroke
 from sketchwidget.sketch.erase import as_radius
 
 VIEWS = ("front",)
+MODES = ("initial", "followup", "refine")
 
 _DECIMALS = 5  # of a coordinate: 2.5 micrometres of the head
 
@@ -103,7 +104,34 @@ class Redo(Event):
     """The last edit taken back counts again."""
 
 
-_KINDS = {event.__name__.lower(): event for event in (Draw, Erase, Clear, Undo, Redo)}
+@dataclass(frozen=True, eq=False)
+class Mode(Event):
+    """A change of the mode of interaction.
+
+    Parameters
+    ----------
+    mode : str
+        "initial", "followup" or "refine" (the paper's sections 3.1 to 3.3).
+
+    Raises
+    ------
+    ValueError
+        If the mode is another.
+    """
+
+    mode: str
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.mode, str) or self.mode not in MODES:
+            raise ValueError(f"a session is in the mode {', '.join(MODES)}; given {self.mode!r}")
+
+
+@dataclass(frozen=True, eq=False)
+class StartFromTemplate(Event):
+    """Follow-up sketching begins with the lines of the template in place of the drawing."""
+
+
+_KINDS = {event.__name__.lower(): event for event in (Draw, Erase, Clear, Undo, Redo, Mode, StartFromTemplate)}
 
 
 def event_from_json(given: Any) -> Event:

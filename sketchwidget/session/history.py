@@ -6,6 +6,7 @@ from collections import deque
 
 from .apply import apply
 from .events import Event, Redo, Undo
+from .modeller import Modeller
 from .state import State
 
 KEPT_STATES = 50
@@ -16,9 +17,15 @@ class History:
 
     The last 50 states before the present one are kept whole. An undo further back replays the edits: `apply` is pure,
     so this gives exactly the state that was.
+
+    Parameters
+    ----------
+    modeller : Modeller
+        What the edits are applied with.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, modeller: Modeller) -> None:
+        self._modeller = modeller
         self._done: list[Event] = []
         self._undone: list[Event] = []
         self._states = deque([State()], maxlen=KEPT_STATES + 1)
@@ -56,7 +63,7 @@ class History:
                 return self._undo()
             case Redo():
                 return self._redo()
-        state = apply(self.state, event)
+        state = apply(self.state, event, self._modeller)
         if state is self.state:
             return False
         self._done.append(event)
@@ -72,7 +79,7 @@ class History:
         if not self._states:
             self._states.append(State())
             for edit in self._done:
-                self._states.append(apply(self.state, edit))
+                self._states.append(apply(self.state, edit, self._modeller))
         return True
 
     def _redo(self) -> bool:
@@ -80,5 +87,5 @@ class History:
             return False
         edit = self._undone.pop()
         self._done.append(edit)
-        self._states.append(apply(self.state, edit))
+        self._states.append(apply(self.state, edit, self._modeller))
         return True

@@ -3,13 +3,52 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from functools import cached_property
+from typing import TYPE_CHECKING, Protocol
+
+import numpy as np
+
+from sketchwidget.geometry.local_frames import local_frames
 
 if TYPE_CHECKING:
     from sketchwidget.face import Face
 
 
-@dataclass(frozen=True)
+class Layer(Protocol):
+    """What changes the head below it."""
+
+    def on(self, head: Face) -> Face:
+        """The head with this layer on it."""
+        ...
+
+
+@dataclass(frozen=True, eq=False)
+class Displacement:
+    """A layer of displacements in the local frames of the head below.
+
+    Parameters
+    ----------
+    offsets : (V, 3) array
+        Millimetres along tangent, bitangent and normal of each vertex.
+    """
+
+    offsets: np.ndarray
+
+    @classmethod
+    def between(cls, below: Face, above: Face) -> Displacement:
+        """The layer that makes one head of another."""
+        frames = local_frames(below.vertices, below.faces)
+        return cls(np.einsum("vck,vc->vk", frames, above.vertices - below.vertices))
+
+    def on(self, head: Face) -> Face:
+        """The head with its vertices displaced."""
+        from sketchwidget.face import Face
+
+        moved = np.einsum("vck,vk->vc", local_frames(head.vertices, head.faces), self.offsets)
+        return Face(head.model, head.vertices + moved)
+
+
+@dataclass(frozen=True, eq=False)
 class Layers:
     """What a head is made of, the lowest layer first.
 
@@ -17,11 +56,23 @@ class Layers:
     ----------
     parameters : Face
         The head of the identity and expression weights that were inferred.
+    residual : Layer, optional
+        What a caricature or a portrait adds to it.
+    targets : Layer, optional
+        The lines edited in follow-up sketching, which its curve handles follow.
+    refinement : Layer, optional
+        What gestures changed.
     """
 
     parameters: Face
+    residual: Layer | None = None
+    targets: Layer | None = None
+    refinement: Layer | None = None
 
-    @property
+    @cached_property
     def head(self) -> Face:
         """All layers on top of each other."""
-        return self.parameters
+        head = self.parameters
+        for layer in (self.residual, self.targets, self.refinement):
+            head = head if layer is None else layer.on(head)
+        return head

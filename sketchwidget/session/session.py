@@ -15,30 +15,41 @@ from sketchwidget.sketch import Sketch, textfile
 
 from . import file
 from .apply import apply
-from .events import Clear, Draw, Erase, Event, Redo, Undo
+from .events import Clear, Draw, Erase, Event, Mode, Redo, StartFromTemplate, Undo
 from .file import SessionFileError
 from .history import History
 from .layers import Layers
+from .modeller import Modelled, Modeller
+from .state import State
 
 if TYPE_CHECKING:
-    from sketchwidget.inference import FaceRegressor, Inference
+    from sketchwidget.inference import FaceRegressor
+
+
+class _ModeTrait(Unicode):
+    """A trait whose assignment is an event: it changes when the mode has been entered."""
+
+    def __set__(self, session: Session, mode: str) -> None:
+        session._do(Mode(mode))
 
 
 class Session(HasTraits):
     """A face being drawn: every change of the sketch gives a new head.
 
-    All traits are for reading. Those that a change touches are set together: an observer of one finds the others in
-    step with it.
+    All traits but the mode are for reading. Those that a change touches are set together: an observer of one finds the
+    others in step with it.
 
     Parameters
     ----------
     regressor : object with `infer(sketch) -> Inference`, optional
         Default: the shipped `FaceRegressor`, loaded when first needed.
+    inference : bool
+        If False, no sketch is inferred: the head is the template's, and only its lines deform it.
 
     Attributes
     ----------
     mode : str
-        "initial".
+        "initial", "followup" or "refine"; assigning another enters it, which can be undone like any edit.
     sketch : Sketch
         The drawing, each segment with the line name inferred for it.
     face : Face
@@ -54,7 +65,7 @@ class Session(HasTraits):
         All that changed anything, undos and redos included.
     """
 
-    mode = Unicode("initial", read_only=True)
+    mode = _ModeTrait("initial")
     sketch = Instance(Sketch, args=(), read_only=True)
     face: Any = AnyTrait(read_only=True)
     layers = Instance(Layers, read_only=True)
@@ -63,10 +74,10 @@ class Session(HasTraits):
     can_undo = Bool(False, read_only=True)
     can_redo = Bool(False, read_only=True)
 
-    def __init__(self, regressor: FaceRegressor | None = None) -> None:
+    def __init__(self, regressor: FaceRegressor | None = None, inference: bool = True) -> None:
         super().__init__()
-        self._regressor = regressor
-        self._history = History()
+        self._modeller = Modeller(regressor, inference)
+        self._history = History(self._modeller)
         self._events: list[Event] = []
 
     @property
@@ -93,12 +104,12 @@ class Session(HasTraits):
         """
         self._do(Draw(points, view, mirror))
 
-    def preview(self, points: Any, view: str = "front", mirror: bool = False) -> Inference:
-        """What `draw` would infer; nothing changes.
+    def preview(self, points: Any, view: str = "front", mirror: bool = False) -> Modelled:
+        """What `draw` would give; nothing changes.
 
         For a stroke that is still being drawn. Parameters and errors are those of `draw`.
         """
-        return self.regressor.infer(apply(self._history.state, Draw(points, view, mirror)).sketch)
+        return self._modeller.head(apply(self._history.state, Draw(points, view, mirror), self._modeller))
 
     def erase(self, points: Any, radius: float = 0.02) -> bool:
         """Erase the ink under the eraser.
@@ -127,6 +138,10 @@ class Session(HasTraits):
     def clear(self) -> bool:
         """Remove all ink; False if there was none."""
         return self._do(Clear())
+
+    def start_from_template(self) -> None:
+        """Begin follow-up sketching with the lines of the template, in place of the drawing (paper 3.2)."""
+        self._do(StartFromTemplate())
 
     def undo(self) -> bool:
         """Take the last edit back; False if there was none."""
@@ -185,7 +200,7 @@ class Session(HasTraits):
 
     @default("layers")
     def _layers_of_no_drawing(self) -> Layers:
-        return Layers(self.regressor.infer(Sketch()).face)
+        return self._modeller.head(State()).layers
 
     @default("face")
     def _face_of_no_drawing(self) -> Any:
@@ -215,36 +230,24 @@ class Session(HasTraits):
             "timings": {"sketch": _milliseconds_since(started)},
         }
         try:
-            traits |= self._inferred(state.sketch, traits["timings"])
+            head = self._modeller.head(state)
+            traits |= {
+                "sketch": state.sketch.renamed(head.names),
+                "face": head.face,
+                "layers": head.layers,
+                "frame": head.frame,
+                "timings": {**traits["timings"], **head.timings},
+            }
         finally:
             traits["timings"]["total"] = _milliseconds_since(started)
             with self.hold_trait_notifications():
                 for name, value in traits.items():
                     self.set_trait(name, value)
 
-    def _inferred(self, sketch: Sketch, timings: dict[str, float]) -> dict[str, Any]:
-        regressor = self.regressor
-        started = perf_counter()
-        inference = regressor.infer(sketch)
-        layers = Layers(inference.face)
-        timings = {**timings, **inference.timings, "inference": _milliseconds_since(started)}
-        return {
-            "sketch": sketch.renamed(inference.names),
-            "face": layers.head,
-            "layers": layers,
-            "frame": inference.frame,
-            "timings": timings,
-        }
-
     @property
     def regressor(self) -> FaceRegressor:
         """What infers the heads; the shipped one is loaded when it is first asked for."""
-        if self._regressor is None:
-            # Here, so that a session imports torch with the first face only.
-            from sketchwidget.inference import FaceRegressor
-
-            self._regressor = FaceRegressor.load()
-        return self._regressor
+        return self._modeller.regressor
 
 
 def _milliseconds_since(started: float) -> float:

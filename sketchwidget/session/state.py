@@ -14,9 +14,11 @@ class State:
     Parameters
     ----------
     mode : str
-        "initial": freehand drawing on a blank canvas (the paper's section 3.1).
+        "initial", freehand drawing on a blank canvas; "followup", editing the lines of a head; or "refine", gestures on
+        the head (the paper's sections 3.1 to 3.3).
     sketch : Sketch
-        The strokes as drawn, "unnamed": which lines they are is inferred from it, and no part of the state.
+        Strokes as drawn are "unnamed": which lines they are is inferred from it, and no part of the state. The lines of
+        follow-up sketching have their names.
     """
 
     mode: str = "initial"

@@ -3,11 +3,12 @@ import json
 import numpy as np
 import pytest
 
-from sketchwidget.session import Clear, Draw, Erase, Redo, Undo
+from sketchwidget.session import Clear, Draw, Erase, Mode, Redo, StartFromTemplate, Undo
 from sketchwidget.session.events import event_from_json
 
 STROKE = [[0.123456789, 0.2], [1 / 3, 2 / 3]]
 EVENTS = [Draw(STROKE), Draw(STROKE, mirror=True), Erase([[0.5, 0.5]], 0.02), Clear(), Undo(), Redo()]
+EVENTS += [Mode("initial"), Mode("followup"), StartFromTemplate()]
 
 
 def test_points_are_rounded_when_the_event_is_made():
@@ -65,6 +66,8 @@ def test_events_that_differ_are_not_equal():
         (lambda: Draw(STROKE, mirror="yes"), "mirror is true or false; given 'yes'"),
         (lambda: Erase([[0.5, 0.5]], 0), "radius"),
         (lambda: Erase([], 0.1), "a stroke"),
+        (lambda: Mode("finished"), "in the mode initial, followup, refine; given 'finished'"),
+        (lambda: Mode(["initial"]), "in the mode"),
     ],
 )
 def test_a_bad_event_cannot_be_made(make, complaint):
@@ -78,7 +81,7 @@ def test_a_bad_event_cannot_be_made(make, complaint):
         (None, "a JSON object"),
         ([], "a JSON object"),
         ({}, "given None"),
-        ({"event": "paint"}, "one of draw, erase, clear, undo, redo; given 'paint'"),
+        ({"event": "paint"}, "one of draw, erase, clear, undo, redo, mode, startfromtemplate; given 'paint'"),
         ({"event": ["draw"]}, "one of"),
         ({"event": "undo", "times": 2}, "has the fields"),
         ({"event": "erase", "points": [[0, 0]]}, "has the fields"),

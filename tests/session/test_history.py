@@ -1,8 +1,10 @@
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sketchwidget.session import Clear, Draw, Erase, History, Redo, State, Undo, apply
+from sketchwidget.session import Clear, Draw, Erase, History, Modeller, Redo, State, Undo, apply
 from sketchwidget.session.history import KEPT_STATES
+
+MODELLER = Modeller(regressor=object())  # none of these edits needs a head
 
 coordinates = st.floats(0, 1, width=32)
 points = st.lists(st.tuples(coordinates, coordinates).map(list), min_size=1, max_size=4)
@@ -24,7 +26,7 @@ def same_bits(state, other):
 
 
 def test_undo_and_redo_walk_the_line_of_edits():
-    history = History()
+    history = History(MODELLER)
     assert not history.can_undo
     assert not history.can_redo
     history.record(dot(1))
@@ -40,7 +42,7 @@ def test_undo_and_redo_walk_the_line_of_edits():
 
 
 def test_what_was_taken_back_is_dropped_by_a_new_edit():
-    history = History()
+    history = History(MODELLER)
     for event in (dot(1), Undo(), dot(2)):
         assert history.record(event)
     assert not history.can_redo
@@ -48,7 +50,7 @@ def test_what_was_taken_back_is_dropped_by_a_new_edit():
 
 
 def test_what_has_no_effect_is_not_kept():
-    history = History()
+    history = History(MODELLER)
     assert not history.record(Undo())
     assert not history.record(Clear())
     assert history.record(dot(1))
@@ -58,7 +60,7 @@ def test_what_has_no_effect_is_not_kept():
 
 
 def test_undo_beyond_the_kept_states_gives_the_states_that_were():
-    history, states = History(), [State()]
+    history, states = History(MODELLER), [State()]
     n = 2 * KEPT_STATES + 20
     for i in range(n):
         history.record(dot(i) if i % 10 else Erase([[i / 1000, 0.5]], 0.0035) if i else dot(0))
@@ -73,7 +75,7 @@ def test_undo_beyond_the_kept_states_gives_the_states_that_were():
 
 
 def test_kept_states_are_the_states_themselves():
-    history = History()
+    history = History(MODELLER)
     history.record(dot(1))
     kept = history.state
     history.record(dot(2))
@@ -83,7 +85,7 @@ def test_kept_states_are_the_states_themselves():
 
 @given(events)
 def test_undoing_everything_gives_back_the_empty_sketch(events):
-    history = History()
+    history = History(MODELLER)
     for event in events:
         history.record(event)
     while history.can_undo:
@@ -93,7 +95,7 @@ def test_undoing_everything_gives_back_the_empty_sketch(events):
 
 @given(events)
 def test_a_history_is_the_edits_that_count(events):
-    history, done, undone = History(), [], []
+    history, done, undone = History(MODELLER), [], []
     for event in events:
         effective = history.record(event)
         match event:
@@ -106,5 +108,5 @@ def test_a_history_is_the_edits_that_count(events):
         assert (history.can_undo, history.can_redo) == (bool(done), bool(undone))
     state = State()
     for edit in done:
-        state = apply(state, edit)
+        state = apply(state, edit, MODELLER)
     assert same_bits(history.state, state)

@@ -7,12 +7,12 @@ import traitlets
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from sketchwidget.session import Clear, Draw, Erase, Redo, Session, SessionFileError, Undo
+from sketchwidget.session import Clear, Draw, Erase, Mode, Redo, Session, SessionFileError, Undo
 from sketchwidget.sketch import Sketch, textfile
 from sketchwidget.sketch.sketch import MAX_STROKES
 
 STROKE = [[0.1, 0.2], [0.3, 0.4]]
-TRAITS = ("mode", "sketch", "face", "frame", "timings", "can_undo", "can_redo")
+TRAITS = ("sketch", "face", "frame", "timings", "can_undo", "can_redo")
 
 coordinates = st.floats(-0.5, 1.5)
 points = st.lists(st.tuples(coordinates, coordinates), min_size=1, max_size=4)
@@ -32,7 +32,7 @@ def session(regressor):
 
 
 def snapshot(session):
-    return {name: getattr(session, name) for name in TRAITS}, session.events
+    return {name: getattr(session, name) for name in ("mode", *TRAITS)}, session.events
 
 
 def test_a_session_starts_empty_with_the_mean_face(session):
@@ -132,6 +132,20 @@ def test_a_bad_action_is_an_error_and_changes_nothing(session, act):
     with pytest.raises(ValueError, match=r"a stroke|radius|mirror"):
         act(session)
     assert snapshot(session) == before
+
+
+def test_the_mode_is_switched_by_assignment_and_switching_is_an_edit(session):
+    session.draw(STROKE)
+    seen = []
+    session.observe(lambda change: seen.append(change.new), "mode")
+    session.mode = "refine"
+    session.mode = "refine"
+    assert session.undo() and session.mode == "initial"
+    assert seen == ["refine", "initial"]
+    assert session.events == (Draw(STROKE), Mode("refine"), Undo())
+    with pytest.raises(ValueError, match="in the mode"):
+        session.mode = "finished"
+    assert session.mode == "initial"
 
 
 @pytest.mark.parametrize("name", TRAITS)

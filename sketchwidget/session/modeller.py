@@ -1,0 +1,104 @@
+"""What a session needs a network or a face model for: the head of a state."""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from time import perf_counter
+from typing import TYPE_CHECKING
+
+from sketchwidget.geometry.view import View
+
+from .layers import Layers
+from .state import State
+
+if TYPE_CHECKING:
+    from sketchwidget.face import Face, FaceModel
+    from sketchwidget.inference import FaceRegressor
+
+_KEPT = 4  # heads: those of the present state, the one before, and of strokes that are still being drawn
+
+
+@dataclass(frozen=True, eq=False)
+class Modelled:
+    """The head of a state.
+
+    Parameters
+    ----------
+    layers : Layers
+        What it is made of.
+    frame : View
+        Where it stands on the canvas.
+    names : tuple of str
+        A line name for each segment of the sketch.
+    timings : mapping of str to float
+        Milliseconds by step.
+    """
+
+    layers: Layers
+    frame: View = field(default_factory=View)
+    names: tuple[str, ...] = ()
+    timings: Mapping[str, float] = field(default_factory=dict)
+
+    @property
+    def face(self) -> Face:
+        """The head, all layers on top of each other."""
+        return self.layers.head
+
+
+class Modeller:
+    """Gives the head of any state; the same one as long as the model and the network are the same.
+
+    Parameters
+    ----------
+    regressor : object with `infer(sketch) -> Inference`, optional
+        Default: the shipped `FaceRegressor`, loaded when first needed.
+    inference : bool
+        If False, no sketch is inferred: the parameters of every head are those of the template.
+    """
+
+    def __init__(self, regressor: FaceRegressor | None = None, inference: bool = True) -> None:
+        self.inference = inference
+        self._regressor = regressor
+        self._model: FaceModel | None = None
+        self._heads: deque[tuple[State, Modelled]] = deque(maxlen=_KEPT)
+
+    @property
+    def regressor(self) -> FaceRegressor:
+        """What infers the heads; the shipped one is loaded when it is first asked for."""
+        if self._regressor is None:
+            # Here, so that a session imports torch with the first face only.
+            from sketchwidget.inference import FaceRegressor
+
+            self._regressor = FaceRegressor.load()
+        return self._regressor
+
+    @property
+    def model(self) -> FaceModel:
+        """The regressor's face model; without inference and without a regressor, the shipped one."""
+        if self._regressor is not None or self.inference:
+            return self.regressor.model
+        if self._model is None:
+            from sketchwidget.face import FaceModel
+
+            self._model = FaceModel.load()
+        return self._model
+
+    def head(self, state: State) -> Modelled:
+        """The head of a state; those of the last few states are remembered, and take no time."""
+        for known, modelled in self._heads:
+            if known is state:
+                return modelled
+        modelled = self._modelled(state)
+        self._heads.append((state, replace(modelled, timings={})))
+        return modelled
+
+    def _modelled(self, state: State) -> Modelled:
+        if not self.inference:
+            return Modelled(Layers(self.model.face()), names=tuple(segment.name for segment in state.sketch.segments))
+        regressor = self.regressor
+        started = perf_counter()
+        inference = regressor.infer(state.sketch)
+        timings = {**inference.timings, "inference": 1e3 * (perf_counter() - started)}
+        return Modelled(Layers(inference.face), inference.frame, inference.names, timings)

@@ -1,0 +1,49 @@
+"""Layers on a real face model."""
+
+import numpy as np
+import pytest
+
+from sketchwidget.face import Face, FaceModel
+from sketchwidget.geometry import rotation_about_y
+from sketchwidget.session import Displacement, Layers
+
+
+@pytest.fixture(scope="module")
+def model():
+    return FaceModel.load()
+
+
+class Moved:
+    def __init__(self, by):
+        self.by = np.asarray(by, dtype=np.float32)
+
+    def on(self, head):
+        return Face(head.model, head.vertices + self.by)
+
+
+def test_a_head_without_layers_is_the_parameters_own(model):
+    face = model.face()
+    assert Layers(face).head is face
+
+
+def test_layers_are_applied_in_their_order(model):
+    class Doubled:
+        def on(self, head):
+            return Face(head.model, 2 * head.vertices)
+
+    head = Layers(model.face(), residual=Moved([1, 0, 0]), targets=Doubled(), refinement=Moved([0, 3, 0])).head
+    np.testing.assert_allclose(head.vertices, 2 * model.mean + np.array([2, 3, 0]), rtol=1e-5)
+
+
+def test_a_displacement_gives_back_the_head_that_it_was_made_from(model):
+    below, above = model.face(), model.face(expression="smile")
+    np.testing.assert_allclose(Displacement.between(below, above).on(below).vertices, above.vertices, atol=1e-3)
+
+
+def test_a_displacement_turns_with_the_head_below(model):
+    turn = rotation_about_y(30.0)
+    below = model.face()
+    above = Face(model, below.vertices + np.sin(below.vertices[:, [1, 2, 0]] / 20))
+    layer = Displacement.between(below, above)
+    turned = layer.on(Face(model, below.vertices @ turn.T))
+    np.testing.assert_allclose(turned.vertices, above.vertices @ turn.T, atol=1e-3)
