@@ -17,7 +17,8 @@ GROUPS = {
     **{name: name.removesuffix("_upper").removesuffix("_lower") for name in FEATURES},
 }
 
-_PLACES = {
+# Which points of the shape model belong to the lines that may be one stroke.
+PLACES = {
     group: np.concatenate(
         [at for name, at in split_lines(np.arange(sum(COUNTS.values()))).items() if GROUPS[name] == group]
     )
@@ -76,7 +77,7 @@ class DrawnLines:
         """
         drawn, weight = np.array(points, dtype=np.float64), np.zeros(len(points))
         for group, ink in self._ink.items():
-            at = _PLACES[group]
+            at = PLACES[group]
             here = points[at]
             if not settled and any(part in group for part in _PLACED_WHOLE):
                 here = here + _middle(ink) - _middle(here)

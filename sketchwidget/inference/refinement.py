@@ -12,12 +12,14 @@ from ..face.model import FaceModel
 from ..geometry.view import CANVAS_MM
 from ..sketch import SILHOUETTE
 from .framing import Frame
+from .matching import PLACES
 from .shape_code import COUNTS, LINES, OUTLINE_STEP, sample_indices
 
 Match = Callable[[np.ndarray, bool], tuple[np.ndarray, np.ndarray]]
 
-_NOISE = 0.02  # canvas units by which people miss the lines that they mean, neighbouring points alike
-_ERRORS = (0.45, 0.35)  # standard deviations by which the network misses identity and expression weights
+# Canvas units by which people misplace a feature as a whole, and by which its points miss the line that they mean.
+_MISPLACED, _MISDRAWN = 0.015, 0.01
+_ERRORS = (0.2, 0.6)  # standard deviations by which the network misses identity and expression weights
 _PLACE_ERROR = 0.02  # of scale, and canvas units of place, by which the frames of drawing and head differ
 
 
@@ -44,8 +46,9 @@ class LineRefiner:
         standard: dict[str, np.ndarray],
         errors: tuple[float, float] = _ERRORS,
         steps: int = 3,
+        steady: bool = True,
     ) -> None:
-        self._steps = steps
+        self._steps, self._steady = steps, steady
         self._core = model.bilinear.core
         self._identity_std, self._expression_std = standard["identity_std"], standard["expression_std"]
         basis = model.bilinear.basis.reshape(-1, 3, model.bilinear.basis.shape[1])
@@ -73,7 +76,8 @@ class LineRefiner:
         """
         p, q = self._core.shape[1:]
         change = np.zeros(p + q + 3)
-        frame = _outline_frame(self.lines(identity, expression))
+        start = self.lines(identity, expression)
+        frame = _outline_frame(start)
         for step in range(self._steps):
             u, v = self._moved(identity, expression, change)
             scale, offset = frame[0] * np.exp(change[-3]), frame[1] + change[-2:]
@@ -82,25 +86,50 @@ class LineRefiner:
             target, weight = match(points, step > 0)
             if not weight.any():
                 return identity, expression
+            # What is not drawn keeps its shape.
+            unseen = _unseen(weight) if self._steady else np.zeros(len(points), dtype=bool)
+            target, weight = np.where(unseen[:, None], points + scale * (start - free), target), weight + unseen
             by_line = scale * self._basis.reshape(-1, self._basis.shape[2])
             jacobian = np.concatenate(
                 [
                     by_line @ (self._core @ v) * self._identity_std,
                     by_line @ np.einsum("kpq,p->kq", self._core, u) * self._expression_std,
-                    (scale * (free - 0.5)).reshape(-1, 1),
-                    np.tile(np.eye(2), (len(points), 1)),
+                    (~unseen[:, None] * scale * (free - 0.5)).reshape(-1, 1),
+                    np.kron(~unseen[:, None], np.eye(2)),
                 ],
                 axis=1,
             )
-            counted = jacobian * np.repeat(weight / _NOISE**2, 2)[:, None]
-            normal = counted.T @ jacobian + np.diag(self._prior)
-            change += np.linalg.solve(normal, counted.T @ (target - points).ravel() - self._prior * change)
+            residual = np.concatenate([jacobian, (target - points).reshape(-1, 1)], axis=1)
+            whitened = _whitened(residual.reshape(len(points), 2, -1), weight).reshape(2 * len(points), -1)
+            jacobian, residual = whitened[:, :-1], whitened[:, -1]
+            normal = jacobian.T @ jacobian + np.diag(self._prior)
+            change += np.linalg.solve(normal, jacobian.T @ residual - self._prior * change)
         return self._moved(identity, expression, change)
 
     def _moved(self, identity: np.ndarray, expression: np.ndarray, change: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         p, q = self._core.shape[1:]
         u, v = identity + self._identity_std * change[:p], expression + self._expression_std * change[p : p + q]
         return u.astype(np.float32), v.astype(np.float32)
+
+
+def _unseen(weight: np.ndarray) -> np.ndarray:
+    """Points (n,) bool of the features of which nothing is drawn."""
+    unseen = np.zeros(len(weight), dtype=bool)
+    for at in PLACES.values():
+        unseen[at] = not weight[at].any()
+    return unseen
+
+
+def _whitened(rows: np.ndarray, weight: np.ndarray) -> np.ndarray:
+    """Rows (n, ...) of points whose errors are alike within a feature, as rows whose errors are independent and 1."""
+    whitened = np.sqrt(weight)[:, None, None] * rows / _MISDRAWN
+    for at in PLACES.values():
+        count = weight[at].sum()
+        if count > 0:
+            mean = np.tensordot(weight[at], rows[at], axes=1) / count
+            share = 1 - 1 / np.sqrt(1 + count * (_MISPLACED / _MISDRAWN) ** 2)
+            whitened[at] -= np.sqrt(weight[at])[:, None, None] * share * mean / _MISDRAWN
+    return whitened
 
 
 def _handle(model: FaceModel, name: str) -> sparse.csr_matrix:

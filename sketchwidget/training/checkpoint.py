@@ -64,7 +64,7 @@ class Checkpoints:
         """
         states = [self._read(path, device) for name in ("last", "level") if (path := self._path(name)).exists()]
         usable = [
-            state for state in states if state["plan"] == steps or not state["falling"] and state["step"] <= level
+            state for state in states if state["plan"] == steps or (not state["falling"] and state["step"] <= level)
         ]
         if states and not usable:
             raise ValueError(

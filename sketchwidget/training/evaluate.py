@@ -102,7 +102,7 @@ def refined(refiner: LineRefiner, start: Weights, tests: TestSet) -> Weights:
 
 def morphable_model_fit(model: FaceModel) -> Method:
     """What lines alone give under the prior of the model, point for point known: the paper's MMfitting."""
-    refiner = LineRefiner(model, standardisation(model), errors=_PRIOR_ERRORS, steps=_FITTING_STEPS)
+    refiner = LineRefiner(model, standardisation(model), errors=_PRIOR_ERRORS, steps=_FITTING_STEPS, steady=False)
     middle = model.bilinear.expressions.mean(axis=0)
 
     def fitted(tests: TestSet) -> Weights:

@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 
 from sketchwidget import FaceModel
+from sketchwidget.inference import refinement
 from sketchwidget.inference.framing import Frame
-from sketchwidget.inference.matching import DrawnLines
+from sketchwidget.inference.matching import PLACES, DrawnLines
 from sketchwidget.inference.refinement import LineRefiner
 from sketchwidget.inference.shape_code import COUNTS, split_lines
 from sketchwidget.sketch import SILHOUETTE
@@ -75,3 +76,29 @@ def test_a_moved_drawing_moves_no_vertex_far(model, refiner):
     moved = split_lines(1.02 * (Frame.of_outline(points[: COUNTS[SILHOUETTE]])(points) - 0.5) + 0.5 + [0.01, -0.006])
     found = refiner(u, v, DrawnLines(list(moved.values()), list(moved)).match)
     assert np.linalg.norm(model.face(*found).vertices - model.face(u, v).vertices, axis=1).mean() < 1.2
+
+
+def test_errors_of_a_feature_are_whitened_as_its_covariance_says():
+    """A feature is misplaced as a whole, and each of its points besides."""
+    at = PLACES["mouth"]
+    apart, together = refinement._MISDRAWN, refinement._MISPLACED
+    covariance = apart**2 * np.eye(len(at)) + together**2
+    weight = np.zeros(sum(COUNTS.values()))
+    weight[at] = 1.0
+    error = np.random.default_rng(0).normal(0, 0.01, (len(weight), 2, 1))
+    whitened = refinement._whitened(error, weight)
+    expected = sum(axis @ np.linalg.solve(covariance, axis) for axis in error[at, :, 0].T)
+    assert (whitened**2).sum() == pytest.approx(expected)
+
+
+def test_a_feature_that_is_not_drawn_keeps_its_shape(model, refiner):
+    u, v = weights(model, 8, "neutral")
+    jowls = split_lines(refiner.lines(model.bilinear.identities[31], v))[SILHOUETTE]
+    found = refiner(u, v, DrawnLines([Frame.of_outline(jowls)(jowls)], [SILHOUETTE]).match)
+    before, after = (split_lines(refiner.lines(*given)) for given in ((u, v), found))
+
+    def gap(lines):
+        return np.abs(lines["mouth_upper"] - lines["mouth_lower"]).max()
+
+    assert np.abs(after[SILHOUETTE] - before[SILHOUETTE]).max() > 0.01
+    assert abs(gap(after) - gap(before)) < 0.003
