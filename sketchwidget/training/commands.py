@@ -45,6 +45,9 @@ def network(
     ),
     steps: Annotated[int, typer.Option(min=1, help="Batches of 32 drawings.")] = 15_000,
     drawings: Annotated[Path | None, typer.Option(help="Drawings by people, to train on too.")] = None,
+    in_three_steps: Annotated[
+        bool, typer.Option("--in-three-steps", help="As in the paper: classes, then weights, then faces.")
+    ] = False,
     work: Work = Path("runs"),
     tiny: Annotated[bool, typer.Option("--tiny", help="A few small steps, in a minute, to see it run.")] = False,
 ) -> None:
@@ -63,11 +66,12 @@ def network(
     pipeline.train_network(
         out,
         _command(),
-        Schedule(steps=4, batch=4, checkpoint=2) if tiny else Schedule(steps=steps),
+        Schedule(steps=6, batch=4, checkpoint=2) if tiny else Schedule(steps=steps),
         chosen.layout.tiny() if tiny else chosen.layout,
         chosen.variety,
         people,
         workers=int(not tiny),
+        in_three_steps=in_three_steps,
     )
     if out.exists():  # the first of several processes writes it
         typer.echo(f"{out}: {out.stat().st_size / 1e6:.1f} MB")

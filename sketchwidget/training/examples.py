@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, field
+from typing import NamedTuple
 
 import numpy as np
 from torch.utils.data import IterableDataset, get_worker_info
@@ -71,6 +72,29 @@ class _Face:
         return _Face(*(one + share * (two - one) for one, two in zip(mine, others, strict=True)))
 
 
+class Batch(NamedTuple):
+    """Sketches and what they should become.
+
+    Parameters
+    ----------
+    images : (b, 1, 256, 256) bool array
+    shapes : (b, p + q) array
+        Shape codes of their lines.
+    codes : (b, k) array
+        Of their faces, in the model's components.
+    poses : (b, q) array
+        Standardised expression weights.
+    people : (b,) int array
+        Row of the table of who each face is for the most part; -1 if nobody of it.
+    """
+
+    images: np.ndarray
+    shapes: np.ndarray
+    codes: np.ndarray
+    poses: np.ndarray
+    people: np.ndarray
+
+
 class Examples(IterableDataset):
     """Batches of sketches with their shape codes, the codes and the expression weights of their faces.
 
@@ -124,7 +148,7 @@ class Examples(IterableDataset):
         self._shape_model, self._reshaping, self._people = shape_model, reshaping, people
         self._manners, self._shares = list(variety.manners), list(variety.manners.values())
 
-    def __iter__(self) -> Iterator[tuple[np.ndarray, ...]]:
+    def __iter__(self) -> Iterator[Batch]:
         worker = get_worker_info()
         first, step = (0, 1) if worker is None else (worker.id, worker.num_workers)
         number = self.start + self.stride * first
@@ -132,21 +156,20 @@ class Examples(IterableDataset):
             yield self.numbered(number)
             number += self.stride * step
 
-    def numbered(self, number: int) -> tuple[np.ndarray, ...]:
-        """Batch `number`: images (b, 1, 256, 256) bool, shape codes (b, p + q), face codes (b, k), poses (b, q)."""
+    def numbered(self, number: int) -> Batch:
+        """Batch `number`."""
         random = np.random.default_rng([self.seed, number])
-        made = [self.example(random) for _ in range(self.batch)]
-        drawn = [one for one, _, _ in made]
+        drawn, codes, poses, people = zip(*(self.example(random) for _ in range(self.batch)), strict=True)
         shapes = self._shape_model.encode(
             np.stack([one.points for one in drawn]), np.stack([one.seen for one in drawn])
         )
         images = np.stack([one.image for one in drawn])[:, None]
-        return images, shapes, np.stack([code for _, code, _ in made]), np.stack([pose for _, _, pose in made])
+        return Batch(images, shapes, np.stack(codes), np.stack(poses), np.array(people))
 
-    def example(self, random: np.random.Generator) -> tuple[Drawn, np.ndarray, np.ndarray]:
-        """One drawing, and the code (k,) and expression weights (q,) of its face."""
+    def example(self, random: np.random.Generator) -> tuple[Drawn, np.ndarray, np.ndarray, int]:
+        """One drawing, the code (k,) and expression weights (q,) of its face, and whose it is."""
         if self._people is not None and random.random() < self.variety.people:
-            return self._people.example(random)
+            return *self._people.example(random), -1
         manner = self._manners[int(random.choice(len(self._manners), p=self._shares))]
         freehand = manner is Manner.FREEHAND
         parts: set[str] = self._parts(random) if freehand else set(PARTS)
@@ -158,7 +181,8 @@ class Examples(IterableDataset):
         view = View() if manner is Manner.EXACT else noisy_view(self.variety.view, random)
         projected = self.table.lines(view.project(points))
         front = self.table.lines(View().project(self._stored(row).points))
-        return draw(manner, projected, parts, wrinkles, front, self.variety.hand, random), face.code, face.pose
+        drawn = draw(manner, projected, parts, wrinkles, front, self.variety.hand, random)
+        return drawn, face.code, face.pose, row // len(self._poses)
 
     def _parts(self, random: np.random.Generator) -> set[str]:
         if random.random() < self.variety.partial:

@@ -6,16 +6,17 @@ has its fingerprint in the name.
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from functools import cached_property
 from pathlib import Path
 from zipfile import BadZipFile
 
 import numpy as np
+import torch
 
 from ..database.database import FaceDatabase
 from ..database.provenance import provenance
-from ..inference.network import COMPACT, Layout
+from ..inference.network import COMPACT, Layout, PixelShapeCNN
 from ..inference.regressor import save_network
 from ..inference.shape_code import ShapeModel
 from .drawings import DrawnExamples
@@ -26,9 +27,11 @@ from .network import Schedule, train
 from .reshaping import Reshaping
 from .shape_model import build_shape_model
 from .standard import standardisation, standardised_pose
+from .tasks import Classes, Faces, Task, Weights, standardised_identities
 from .team import Team
 
 SEED = 7
+_FIRST_STEPS = (5, 8)  # of 18: 500,000 and 800,000 of the paper's 1,800,000 iterations
 # Drawings that a training is followed by: the paper's augmentation, of faces as they are.
 _TEST = Variety(manners={Manner.AUGMENTED: 1.0}, mixed=0.0)
 
@@ -84,7 +87,12 @@ class Pipeline:
         return self.work / f"{what}-{self.database.sum[:8]}-{self.database.model.fingerprint[:8]}.npz"
 
     def examples(
-        self, variety: Variety, batch: int, people: DrawnExamples | None = None, of: np.ndarray | None = None
+        self,
+        variety: Variety,
+        batch: int,
+        people: DrawnExamples | None = None,
+        of: np.ndarray | None = None,
+        reshaped: bool = True,
     ) -> Examples:
         """Examples without end, of the faces to train on or of others, given by their numbers."""
         model = self.database.model
@@ -92,14 +100,19 @@ class Pipeline:
             self.table,
             self.kept if of is None else of,
             model.expressions,
-            standardised_pose(model, model.bilinear.expressions),
+            self._poses,
             self.shape_model,
             variety,
             batch,
             SEED,
-            reshaping=Reshaping(model),
+            reshaping=Reshaping(model) if reshaped else None,
             people=people,
         )
+
+    @property
+    def _poses(self) -> np.ndarray:
+        model = self.database.model
+        return standardised_pose(model, model.bilinear.expressions)
 
     def train_network(
         self,
@@ -110,15 +123,32 @@ class Pipeline:
         variety: Variety | None = None,
         people: DrawnExamples | None = None,
         workers: int = 1,
+        in_three_steps: bool = False,
     ) -> None:
-        """Train a network, or go on with it, and write it to `out`; one of a team of processes does its part."""
-        team, model = Team.join(), self.database.model
+        """Train a network, or go on with it, and write it to `out`; one of a team of processes does its part.
+
+        In three steps it is trained as in the paper's 4.4: of the schedule's steps, so many parts of 18 go to the
+        classes and to the weights as of the paper's 1.8 million iterations. Otherwise all go to the vertex loss.
+        """
+        team, model, variety = Team.join(), self.database.model, variety or Variety()
         folder = self.work / f"{out.stem}-{model.fingerprint[:8]}"
         with team.leader_first():
-            examples = self.examples(variety or Variety(), schedule.batch, people)
+            examples = self.examples(variety, schedule.batch, people)
             unseen = self.examples(_TEST, 8 * schedule.batch, of=self.database.split("identity", SEED)[1])
+        torch.manual_seed(SEED)
+        network = PixelShapeCNN(model.identity_size, model.expression_size, layout)
         about = f"{self.database.sum} {variety} {0 if people is None else len(people)} drawings "
-        network = train(model, vertex_metric(model), examples, schedule, folder, layout, workers, about, unseen)
+        if in_three_steps:
+            classes, weights = (schedule.steps * part // 18 for part in _FIRST_STEPS)
+            known = self.examples(replace(variety, mixed=0.0), schedule.batch, reshaped=False)
+            task: Task = Classes(network, self._poses, len(self.table.codes))
+            network = train(task, known, replace(schedule, steps=classes), folder / "classes", workers, about)
+            task = Weights(network, standardised_identities(self.table, model))
+            network = train(task, known, replace(schedule, steps=weights), folder / "weights", workers, about, unseen)
+            network.requires_grad_(True)
+            schedule = replace(schedule, steps=schedule.steps - classes - weights)
+        task = Faces(network, model, vertex_metric(model))
+        network = train(task, examples, schedule, folder, workers, about, unseen)
         if team.leads:
             made = provenance(command, ("torch", "numpy", "opencv-python-headless")) | self.database.origin
             save_network(out, network, standardisation(model), self.shape_model, model, made)

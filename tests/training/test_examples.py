@@ -43,11 +43,12 @@ def rows_of(codes, table):
 
 
 def test_a_batch_has_images_shapes_codes_and_poses(database, pipeline, make):
-    images, shapes, codes, poses = make().numbered(0)
+    images, shapes, codes, poses, people = make().numbered(0)
     assert images.shape == (3, 1, 256, 256) and images.dtype == bool
     assert shapes.shape == (3, pipeline.shape_model.size) and shapes.dtype == np.float32
     assert codes.shape == (3, len(database.model.bilinear.core)) and codes.dtype == np.float32
     assert poses.shape == (3, 3) and poses.dtype == np.float32
+    assert people.shape == (3,) and (people >= 0).all()
 
 
 def test_batches_depend_on_seed_and_number_only(make):
@@ -79,16 +80,17 @@ def test_workers_of_a_process_share_its_batches(make):
 
 
 def test_exact_examples_are_faces_of_the_table(pipeline, make, poses):
-    _, shapes, codes, found = make(EXACT, batch=20).numbered(0)
+    _, shapes, codes, found, people = make(EXACT, batch=20).numbered(0)
     rows = rows_of(codes, pipeline.table)
     assert set(rows) <= set(pipeline.kept) and len(set(rows)) > 5
     np.testing.assert_array_equal(found, poses[rows % 3])
+    np.testing.assert_array_equal(people, rows // 3)
     assert np.isfinite(shapes).all()
 
 
 def test_faces_that_are_left_out_are_not_drawn(pipeline, make):
     only = np.array([4])
-    _, _, codes, _ = make(FREEHAND, batch=10, kept=only).numbered(0)
+    codes = make(FREEHAND, batch=10, kept=only).numbered(0).codes
     assert set(rows_of(codes, pipeline.table)) == {4}
 
 
@@ -111,12 +113,12 @@ def test_a_face_without_a_mouth_is_a_quiet_one(pipeline, make, poses):
     for mixed in (0.0, 1.0):
         mouthless = replace(FREEHAND, missing=1.0, mixed=mixed)
         np.testing.assert_array_equal(make(mouthless, batch=20).numbered(0)[3], np.tile(quiet, (20, 1)))
-    _, _, _, found = make(FREEHAND, batch=20).numbered(0)
+    found = make(FREEHAND, batch=20).numbered(0).poses
     assert (found != quiet).any(axis=1).sum() > 5
 
 
 def test_mixed_faces_lie_between_others(pipeline, make, poses):
-    _, _, codes, found = make(replace(EXACT, mixed=1.0), batch=60).numbered(0)
+    _, _, codes, found, _ = make(replace(EXACT, mixed=1.0), batch=60).numbered(0)
     assert (rows_of(codes, pipeline.table) == -1).mean() > 0.7
     # Weights of three expressions are the corners of a triangle.
     corners = np.vstack([poses.T, np.ones(3)])
@@ -128,7 +130,7 @@ def test_mixed_faces_lie_between_others(pipeline, make, poses):
 
 def test_puffed_cheeks_are_rare(make, poses):
     expressions = ["neutral", "blowfish", "laugh"]
-    _, _, _, found = make(EXACT, batch=150, kept=np.arange(24), expressions=expressions).numbered(0)
+    found = make(EXACT, batch=150, kept=np.arange(24), expressions=expressions).numbered(0).poses
     share = [(found == pose).all(axis=1).mean() for pose in poses]
     assert sum(share) == 1 and 0.01 < share[1] < 0.22 and min(share[0], share[2]) > 0.3
 
@@ -141,9 +143,9 @@ def test_wrinkles_are_drawn_as_often_as_wanted(make):
 
 def test_half_of_the_freehand_faces_are_reshaped(database, pipeline, make):
     reshaping = Reshaping(database.model)
-    _, _, codes, _ = make(FREEHAND, batch=60, reshaping=reshaping).numbered(0)
+    codes = make(FREEHAND, batch=60, reshaping=reshaping).numbered(0).codes
     assert 0.3 < (rows_of(codes, pipeline.table) == -1).mean() < 0.7
-    _, _, codes, _ = make(EXACT, batch=20, reshaping=reshaping).numbered(0)
+    codes = make(EXACT, batch=20, reshaping=reshaping).numbered(0).codes
     assert (rows_of(codes, pipeline.table) >= 0).all()
 
 
@@ -159,7 +161,7 @@ def test_a_reshaped_face_is_drawn_as_it_is_reshaped(pipeline, make):
     plain = table.lines(table.points[0, 1].astype(np.float32))[SILHOUETTE]
     ratios = {}
     for number in range(20):
-        drawn, code, _ = examples.example(np.random.default_rng(number))
+        drawn, code, *_ = examples.example(np.random.default_rng(number))
         rows, columns = (np.flatnonzero(drawn.image.any(axis=axis)) for axis in (1, 0))
         is_wider = bool(np.allclose(code, table.codes[0, 1] + 1))
         assert is_wider or np.allclose(code, table.codes[0, 1])
@@ -180,10 +182,12 @@ class Person:
 
 def test_drawings_by_people_have_their_share(make):
     for share, least, most in ((0.0, 0, 0), (0.3, 8, 30), (1.0, 60, 60)):
-        images, shapes, codes, poses = make(replace(Variety(), people=share), batch=60, people=Person()).numbered(0)
+        batch = make(replace(Variety(), people=share), batch=60, people=Person()).numbered(0)
+        images, shapes, codes, poses, people = batch
         theirs = images.all(axis=(1, 2, 3))
         assert least <= theirs.sum() <= most
         assert (codes[theirs] == 7).all() and (poses[theirs] == 9).all() and not shapes[theirs].any()
+        np.testing.assert_array_equal(people == -1, theirs)
 
 
 def test_the_noise_of_the_view_is_as_large_as_wanted():

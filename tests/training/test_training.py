@@ -13,6 +13,7 @@ from typer.testing import CliRunner
 
 from sketchwidget import FaceModel, FaceRegressor, Sketch, cli
 from sketchwidget.database.drawings import Drawing, write_drawings
+from sketchwidget.face.bilinear import fit_identity
 from sketchwidget.inference.network import TINY, PixelShapeCNN
 from sketchwidget.training import network as training
 from sketchwidget.training.curve import Curve, read_curve
@@ -23,6 +24,7 @@ from sketchwidget.training.manners import Manner
 from sketchwidget.training.network import Schedule, train
 from sketchwidget.training.pipeline import Pipeline
 from sketchwidget.training.standard import standardisation, standardised_pose
+from sketchwidget.training.tasks import Classes, Faces, Weights, standardised_identities
 from sketchwidget.training.team import Team
 
 ANGLE = np.arange(0, 7, 0.1)
@@ -86,21 +88,29 @@ def test_learning_rate_rises_stays_level_and_falls_to_nothing():
     assert (np.diff(rates[3999:]) < 0).all() and 0 < rates[-1] < 0.01
 
 
+def network(database, layout=TINY):
+    torch.manual_seed(7)
+    return PixelShapeCNN(database.model.identity_size, database.model.expression_size, layout)
+
+
+def faces(database, metric, layout=TINY):
+    return Faces(network(database, layout), database.model, metric)
+
+
 def test_training_learns_and_tells_how_it_goes(database, pipeline, metric, tmp_path, monkeypatch):
     monkeypatch.setattr(training, "_AVERAGING", 0.8)
     monkeypatch.setattr(training, "_WARMING_STEPS", 5)
     model, examples = database.model, pipeline.examples(EXACT, 8)
     schedule = Schedule(steps=60, batch=8, rate=5e-3, checkpoint=25)
-    trained = train(model, metric, examples, schedule, tmp_path / "run", TINY, workers=0)
+    trained = train(faces(database, metric), examples, schedule, tmp_path / "run", workers=0)
     assert not trained.training
-    torch.manual_seed(examples.seed)
-    untrained = PixelShapeCNN(model.identity_size, model.expression_size, TINY).eval()
-    images, shapes, codes, _ = (torch.from_numpy(values) for values in pipeline.examples(EXACT, 16).numbered(10_000))
+    untrained = network(database).eval()
+    images, shapes, codes, *_ = map(torch.from_numpy, pipeline.examples(EXACT, 16).numbered(10_000))
     loss = VertexLoss(model, metric)
 
-    def errors(network):
+    def errors(regressor):
         with torch.inference_mode():
-            return [loss(*answer, codes).item() for answer in network(images.float(), shapes)]
+            return [loss(*answer, codes).item() for answer in regressor(images.float(), shapes)]
 
     assert all(after < 0.7 * before for before, after in zip(errors(untrained), errors(trained), strict=True))
     columns, ((step, _, pixels, shape),) = read_curve(tmp_path / "run" / "curve.csv")
@@ -129,9 +139,8 @@ def sitting(database, pipeline, metric, tmp_path):
         examples.numbered = counted
         schedule, unseen = Schedule(steps=steps, batch=2, checkpoint=2), pipeline.examples(EXACT, 4)
         try:
-            return train(
-                database.model, metric, examples, schedule, tmp_path / folder, TINY, workers=0, unseen=unseen
-            ), seen
+            task = faces(database, metric)
+            return train(task, examples, schedule, tmp_path / folder, workers=0, unseen=unseen), seen
         except Stopped:
             return None, seen
 
@@ -185,11 +194,45 @@ def test_a_curve_drops_what_a_training_does_again(tmp_path):
     assert rows == [[50, 100, 0.02], [100, 200, 0.01], [150, 310, 0.25]]
 
 
+def test_classes_and_weights_are_learnt_and_convolutions_stay_in_the_second_step(
+    database, pipeline, tmp_path, monkeypatch
+):
+    monkeypatch.setattr(training, "_WARMING_STEPS", 5)
+    model, known = database.model, pipeline.examples(EXACT, 8, reshaped=False)
+    schedule = Schedule(steps=40, batch=8, rate=5e-3, checkpoint=40)
+    poses = standardised_pose(model, model.bilinear.expressions)
+    classifier = train(Classes(network(database), poses, len(pipeline.table.codes)), known, schedule, tmp_path / "1", 0)
+    task = Weights(classifier, standardised_identities(pipeline.table, model))
+    before = {name: value.clone() for name, value in classifier.convolutions.state_dict().items()}
+    regressor = train(task, known, replace(schedule, steps=50), tmp_path / "2", 0)
+    for name, value in regressor.convolutions.state_dict().items():
+        assert torch.equal(value, before[name]), name
+    for step, columns in (("1", ["identity", "expression"]), ("2", ["pixels", "shape"])):
+        names, rows = read_curve(tmp_path / step / "curve.csv")
+        assert names[2:] == columns
+    assert rows[0][0] == 50 and 0 < rows[0][3] < 1.8  # of 2, the variance of two kinds of standardised weights
+
+
+def test_identities_of_a_table_fit_their_meshes_as_well_as_those_of_each_mesh_do(database, pipeline):
+    model, table = database.model, pipeline.table
+    statistics = standardisation(model)
+    found = standardised_identities(table, model) * statistics["identity_std"] + statistics["identity_mean"]
+    for person in range(4):
+        meshes = model.bilinear.mean + table.codes[person] @ model.bilinear.basis.T
+        best = fit_identity(model.bilinear, meshes, model.bilinear.expressions)
+
+        def misfit(identity, codes=table.codes[person]):
+            by_pose = np.einsum("kpq,eq,p->ek", model.bilinear.core, model.bilinear.expressions, identity)
+            return np.linalg.norm(by_pose - codes)
+
+        assert misfit(found[person]) <= 1.001 * misfit(best) + 1e-3
+
+
 def test_training_does_not_go_on_from_another_one(database, pipeline, metric, tmp_path):
     schedule = Schedule(steps=1, batch=2, checkpoint=1)
 
     def run(layout=TINY, about="a database"):
-        return train(database.model, metric, pipeline.examples(EXACT, 2), schedule, tmp_path, layout, 0, about)
+        return train(faces(database, metric, layout), pipeline.examples(EXACT, 2), schedule, tmp_path, 0, about)
 
     run()
     for others in ({"layout": replace(TINY, hidden=32)}, {"about": "another"}):
@@ -199,6 +242,16 @@ def test_training_does_not_go_on_from_another_one(database, pipeline, metric, tm
     checkpoint.write_bytes(checkpoint.read_bytes()[:1000])
     with pytest.raises(ValueError, match=r"last\.pt is damaged; remove it"):
         run()
+
+
+def test_a_network_is_trained_in_the_three_steps_of_the_paper(database, pipeline, tmp_path):
+    out = tmp_path / "steps.safetensors"
+    schedule = Schedule(steps=18, batch=2, checkpoint=9)
+    pipeline.train_network(out, "a test", schedule, TINY, workers=0, in_three_steps=True)
+    assert FaceRegressor.load(str(out), database.model).sees == ("pixels", "shape")
+    folder = pipeline.work / f"steps-{database.model.fingerprint[:8]}"
+    steps = [torch.load(folder / step / "last.pt", weights_only=True)["step"] for step in ("classes", "weights", ".")]
+    assert steps == [5, 8, 5]
 
 
 @pytest.mark.parametrize("what", ["table", "shape"])
@@ -248,11 +301,12 @@ from pathlib import Path
 import torch
 
 from sketchwidget.database.database import FaceDatabase
-from sketchwidget.inference.network import TINY
+from sketchwidget.inference.network import TINY, PixelShapeCNN
 from sketchwidget.training.examples import Variety
 from sketchwidget.training.face_table import vertex_metric
 from sketchwidget.training.network import Schedule, train
 from sketchwidget.training.pipeline import Pipeline
+from sketchwidget.training.tasks import Faces
 from sketchwidget.training.team import Team
 
 torch.set_num_threads(1)
@@ -264,7 +318,8 @@ numbered, seen = examples.numbered, []
 examples.numbered = lambda number: seen.append(number) or numbered(number)
 model = pipeline.database.model
 schedule = Schedule(steps=3, batch=2, checkpoint=3)
-network = train(model, vertex_metric(model), examples, schedule, Path("run"), TINY, workers=0)
+task = Faces(PixelShapeCNN(model.identity_size, model.expression_size, TINY), model, vertex_metric(model))
+network = train(task, examples, schedule, Path("run"), workers=0)
 torch.save({{"seen": seen, "weights": dict(network.named_parameters())}}, f"rank{{team.rank}}.pt")
 """
     )
