@@ -25,8 +25,6 @@ from .examples import Examples
 from .tasks import Task
 from .team import Team
 
-_AVERAGING = 0.999  # of the weights, from step to step
-_WARMING_STEPS = 500  # in which the learning rate rises
 _CURVES = ("curve.csv", "unseen.csv")
 
 
@@ -46,12 +44,18 @@ class Schedule:
         Level learning rate.
     checkpoint : int
         Steps between checkpoints.
+    warming : int
+        Steps in which the learning rate rises.
+    averaging : float
+        Share that the averaged weights, which are what a training gives, keep from step to step; less at first.
     """
 
     steps: int = 15_000
     batch: int = 32
     rate: float = 1.2e-3
     checkpoint: int = 400
+    warming: int = 500
+    averaging: float = 0.999
 
     @property
     def level(self) -> int:
@@ -61,8 +65,14 @@ class Schedule:
     def rate_at(self, step: int) -> float:
         """Learning rate of a step."""
         if step < self.level:
-            return self.rate * min(1.0, (step + 1) / _WARMING_STEPS)
+            return self.rate * min(1.0, (step + 1) / self.warming)
         return self.rate * (1 - math.sqrt((step - self.level + 1) / (self.steps - self.level + 1)))
+
+    def average(self, averaged: Sequence[Tensor], current: Sequence[Tensor], count: Tensor | int) -> None:
+        """Take a share of the current weights into the averaged ones."""
+        kept = min(self.averaging, (1 + float(count)) / (10 + float(count)))
+        for mine, new in zip(averaged, current, strict=True):
+            mine.lerp_(new, 1 - kept) if mine.is_floating_point() else mine.copy_(new)
 
 
 def train(
@@ -86,7 +96,7 @@ def train(
     torch.manual_seed(examples.seed)
     folder.mkdir(parents=True, exist_ok=True)
     task.to(team.device, memory_format=torch.channels_last)  # pyright: ignore[reportCallIssue]
-    averaged = AveragedModel(task, multi_avg_fn=_average, use_buffers=True)
+    averaged = AveragedModel(task, multi_avg_fn=schedule.average, use_buffers=True)
     learnt = [weight for weight in task.parameters() if weight.requires_grad]
     optimizer = torch.optim.AdamW(learnt, lr=schedule.rate, weight_decay=0.01, fused=True)
     parts = {"task": task, "averaged": averaged, "optimizer": optimizer}
@@ -129,13 +139,6 @@ def train(
                 curves[1].add(now, time.monotonic() - began, _tested(averaged.module, test))
     task.load_state_dict(averaged.module.state_dict())
     return task.network.to("cpu").eval()
-
-
-def _average(averaged: Sequence[Tensor], current: Sequence[Tensor], count: Tensor | int) -> None:
-    """Takes a share of the current weights into the averaged ones: a larger one in the first steps."""
-    kept = min(_AVERAGING, (1 + float(count)) / (10 + float(count)))
-    for mine, new in zip(averaged, current, strict=True):
-        mine.lerp_(new, 1 - kept) if mine.is_floating_point() else mine.copy_(new)
 
 
 def _on_device(batch: Iterable[Any], device: torch.device) -> list[Tensor]:

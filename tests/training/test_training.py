@@ -15,7 +15,6 @@ from sketchwidget import FaceModel, FaceRegressor, Sketch, cli
 from sketchwidget.database.drawings import Drawing, write_drawings
 from sketchwidget.face.bilinear import fit_identity
 from sketchwidget.inference.network import TINY, PixelShapeCNN
-from sketchwidget.training import network as training
 from sketchwidget.training.curve import Curve, read_curve
 from sketchwidget.training.examples import Variety
 from sketchwidget.training.face_table import vertex_metric
@@ -97,11 +96,9 @@ def faces(database, metric, layout=TINY):
     return Faces(network(database, layout), database.model, metric)
 
 
-def test_training_learns_and_tells_how_it_goes(database, pipeline, metric, tmp_path, monkeypatch):
-    monkeypatch.setattr(training, "_AVERAGING", 0.8)
-    monkeypatch.setattr(training, "_WARMING_STEPS", 5)
+def test_training_learns_and_tells_how_it_goes(database, pipeline, metric, tmp_path):
     model, examples = database.model, pipeline.examples(EXACT, 8)
-    schedule = Schedule(steps=60, batch=8, rate=5e-3, checkpoint=25)
+    schedule = Schedule(steps=60, batch=8, rate=5e-3, checkpoint=25, warming=5, averaging=0.8)
     trained = train(faces(database, metric), examples, schedule, tmp_path / "run", workers=0)
     assert not trained.training
     untrained = network(database).eval()
@@ -194,12 +191,9 @@ def test_a_curve_drops_what_a_training_does_again(tmp_path):
     assert rows == [[50, 100, 0.02], [100, 200, 0.01], [150, 310, 0.25]]
 
 
-def test_classes_and_weights_are_learnt_and_convolutions_stay_in_the_second_step(
-    database, pipeline, tmp_path, monkeypatch
-):
-    monkeypatch.setattr(training, "_WARMING_STEPS", 5)
+def test_classes_and_weights_are_learnt_and_convolutions_stay_in_the_second_step(database, pipeline, tmp_path):
     model, known = database.model, pipeline.examples(EXACT, 8, reshaped=False)
-    schedule = Schedule(steps=40, batch=8, rate=5e-3, checkpoint=40)
+    schedule = Schedule(steps=40, batch=8, rate=5e-3, checkpoint=40, warming=5)
     poses = standardised_pose(model, model.bilinear.expressions)
     classifier = train(Classes(network(database), poses, len(pipeline.table.codes)), known, schedule, tmp_path / "1", 0)
     task = Weights(classifier, standardised_identities(pipeline.table, model))
