@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
+from scipy.interpolate import CubicSpline
 from scipy.ndimage import gaussian_filter1d
 
 from ..geometry.view import View
-from ..sketch import FEATURES, SILHOUETTE, WRINKLE, Segment, Sketch, arc_length, resample
+from ..sketch import FEATURES, SILHOUETTE, WRINKLE, Piece, Segment, Sketch, arc_length, resample
 from .template import Template
 from .wrinkles import LIPS, Wrinkles
 
@@ -14,6 +15,7 @@ from .wrinkles import LIPS, Wrinkles
 _PIECES = {"silhouette": 1, "brow": 2, "eye_upper": 3, "eye_lower": 3, "mouth_upper": 3, "mouth_lower": 3, "ear": 2}
 _PIECES |= {"nose": 3, "lip_upper": 2, "lip_lower": 2}
 _OUTLINE_POINTS = 180
+_OUTLINE_STEPS = 4  # from one handle point to the next
 _OUTLINE_SMOOTHING = 2.5  # points; the handle runs along vertices, a pen does not
 
 
@@ -43,6 +45,24 @@ def draw(template: Template, vertices: np.ndarray, view: View, wrinkles: Wrinkle
         for name in LIPS:
             segments += [Segment(WRINKLE, piece) for piece in split_line(name, lines[name])]
         segments += [Segment(WRINKLE, line) for line in wrinkles(vertices, view, list(lines.values()))]
+    return Sketch(tuple(segments))
+
+
+def editable(template: Template, vertices: np.ndarray, view: View) -> Sketch:
+    """The lines of a head (V, 3) in a view as pieces that know their handle points, to be edited (paper 3.2).
+
+    Other than in `draw`, the silhouette runs through its handle points: what is edited is where they go.
+    """
+    lines = {name: view.project(vertices[path]) for name, path in template.curves.items()}
+    count = len(lines[SILHOUETTE])
+    around = np.append(lines[SILHOUETTE][:-1], lines[SILHOUETTE][:1], axis=0)
+    at = np.linspace(0.0, count - 1.0, _OUTLINE_STEPS * (count - 1) + 1)
+    smooth = CubicSpline(np.arange(count), around, bc_type="periodic")(at).astype(np.float32)
+    smooth[-1] = smooth[0]
+    segments = [Piece(SILHOUETTE, smooth, at)]
+    for name in FEATURES:
+        places = np.arange(len(lines[name]))
+        segments += [Piece(name, lines[name][part], part) for part in split_line(name, places)]
     return Sketch(tuple(segments))
 
 

@@ -19,6 +19,7 @@ from .appearance import vertex_colors
 from .bilinear import Bilinear, fit
 from .drawing import LIPS
 from .face import Face
+from .handles import CurveHandles
 from .template import Template
 from .tensorfile import read, writing
 from .wrinkles import Wrinkles
@@ -94,6 +95,11 @@ class FaceModel:
         """What draws the wrinkles of this model's heads."""
         return Wrinkles(self.template, self.mean)
 
+    @cached_property
+    def handles(self) -> CurveHandles:
+        """What deforms this model's heads by their lines; made when it is first asked for, in about a second."""
+        return CurveHandles(self.template, self.mean)
+
     def vertices(self, identity: np.ndarray, expression: np.ndarray) -> np.ndarray:
         """Fine vertices (V, 3) float32 from weights; see `face`."""
         model = self.bilinear
@@ -161,8 +167,8 @@ class FaceModel:
         return splu((refine.T @ refine).tocsc())
 
     def __getstate__(self) -> dict[str, Any]:
-        """What processes send each other: all but the factorisation, which cannot be pickled."""
-        return {name: value for name, value in self.__dict__.items() if name != "_normal_equations"}
+        """What processes send each other: all but what holds factorisations, which cannot be pickled."""
+        return {name: value for name, value in self.__dict__.items() if name not in ("_normal_equations", "handles")}
 
     def _expression(self, name: str) -> np.ndarray:
         if name not in self.expressions:

@@ -1,7 +1,7 @@
 """The state machine behind a drawing: events in, a new state out. Runs in a plain script, without any widget."""
 
 from .apply import apply
-from .events import Clear, Draw, Erase, Event, Mode, Redo, StartFromTemplate, Undo
+from .events import Cancel, Clear, Draw, Erase, Event, Mode, Redo, StartFromTemplate, Undo
 from .file import SessionFileError
 from .history import History
 from .layers import Displacement, Layers
@@ -10,6 +10,7 @@ from .session import Session
 from .state import State
 
 __all__ = [
+    "Cancel",
     "Clear",
     "Displacement",
     "Draw",

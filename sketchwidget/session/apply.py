@@ -9,7 +9,7 @@ import numpy as np
 from sketchwidget.sketch import UNNAMED, Sketch, erase
 
 from . import followup
-from .events import Clear, Draw, Erase, Event, Mode, StartFromTemplate
+from .events import Cancel, Clear, Draw, Erase, Event, Mode, StartFromTemplate
 from .modeller import Modeller
 from .state import State
 
@@ -40,18 +40,33 @@ def apply(state: State, event: Event, modeller: Modeller) -> State:
         case Mode(mode=mode):
             return state if mode == state.mode else _switched(state, mode, modeller)
         case StartFromTemplate():
-            return followup.from_template(modeller)
+            started = followup.from_template(modeller)
+            return state if _is_untouched(state, started) else started
+        case Draw() | Erase() | Clear() | Cancel() if state.mode == "followup":
+            return followup.edited(state, event, modeller)
+        case Cancel():
+            return state
         case _:
             sketch = _edited(state.sketch, event)
-            return state if sketch is state.sketch else replace(state, sketch=sketch)
+            if sketch is state.sketch:
+                return state
+            return replace(state, sketch=sketch, followup=state.followup if len(sketch) else None)
 
 
 def _switched(state: State, mode: str, modeller: Modeller) -> State:
-    return followup.entered(state, modeller) if mode == "followup" else replace(state, mode=mode)
+    return followup.entered(state, modeller) if mode == "followup" else replace(followup.left(state), mode=mode)
+
+
+def _is_untouched(state: State, started: State) -> bool:
+    """Whether a state is what starting from the template gives."""
+    lines = state.followup is not None and state.followup.profile is None and state.followup.lines
+    return state.mode == started.mode and state.sketch == lines == started.sketch
 
 
 def _edited(sketch: Sketch, event: Event) -> Sketch:
     match event:
+        case Draw(view="left" | "right" as view):
+            raise ValueError(f"the profile is drawn in the follow-up mode; the view {view!r} was given in another")
         case Draw(points=points, mirror=mirror):
             drawn = sketch.with_segment(UNNAMED, points)
             image = np.stack([1 - points[:, 0], points[:, 1]], axis=1)

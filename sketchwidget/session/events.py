@@ -11,7 +11,7 @@ import numpy as np
 from sketchwidget.sketch import as_stroke
 from sketchwidget.sketch.erase import as_radius
 
-VIEWS = ("front",)
+VIEWS = ("front", "left", "right")
 MODES = ("initial", "followup", "refine")
 
 _DECIMALS = 5  # of a coordinate: 2.5 micrometres of the head
@@ -42,7 +42,7 @@ class Draw(Event):
     points : (n, 2) array-like
         Canvas points, kept as float32 rounded to 1e-5 as they are written: a session read back is equal bit for bit.
     view : str
-        The view it is drawn in: "front".
+        The view it is drawn in: "front", or "left" or "right" for the profile.
     mirror : bool
         Whether its mirror image about the axis x = 0.5 is drawn with it.
 
@@ -131,7 +131,12 @@ class StartFromTemplate(Event):
     """Follow-up sketching begins with the lines of the template in place of the drawing."""
 
 
-_KINDS = {event.__name__.lower(): event for event in (Draw, Erase, Clear, Undo, Redo, Mode, StartFromTemplate)}
+@dataclass(frozen=True, eq=False)
+class Cancel(Event):
+    """What was erased and waits to be drawn anew is as it was."""
+
+
+_KINDS = {event.__name__.lower(): event for event in (Draw, Erase, Clear, Undo, Redo, Mode, StartFromTemplate, Cancel)}
 
 
 def event_from_json(given: Any) -> Event:

@@ -1,24 +1,245 @@
-"""Follow-up sketching: the lines of a head, drawn to be edited (paper 3.2)."""
+"""Follow-up sketching: the lines of a head are edited, and the head obeys exactly (paper 3.2 and 5.1)."""
 
 from __future__ import annotations
 
-from dataclasses import replace
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any
 
-from sketchwidget.sketch import WRINKLE, Sketch
+import numpy as np
 
-from .modeller import Modeller
+from sketchwidget.face.drawing import editable
+from sketchwidget.face.handles import LINES
+from sketchwidget.geometry.view import View
+from sketchwidget.sketch import SILHOUETTE, UNNAMED, WRINKLE, Piece, Segment, Sketch
+from sketchwidget.sketch.erase import first_touched
+from sketchwidget.sketch.gap import Gap, GapError, closed, feature_gap, fill, outline_gap
+from sketchwidget.sketch.partner import follow, partner_of
+from sketchwidget.sketch.piece import handle_points
+
+from . import profile
+from .events import Cancel, Clear, Draw, Erase, Event
 from .state import State
+
+if TYPE_CHECKING:
+    from sketchwidget.face import Face
+
+    from .modeller import Modelled, Modeller
+
+_SIDES = {"left": "right", "right": "left"}
+
+
+@dataclass(frozen=True, eq=False)
+class Followup:
+    """What follow-up sketching adds to a state.
+
+    Parameters
+    ----------
+    start : Modelled
+        The head whose lines are edited. It stays as it is until something is.
+    lines : Sketch
+        Its lines, and the wrinkles drawn before.
+    profile : (p, 2) array or None
+        Where the points of the profile were drawn, on the canvas of the left view; NaN for those that were not.
+    gap : Gap or None
+        What was erased and must be drawn next.
+    before : State or None
+        The state before it was erased.
+    """
+
+    start: Modelled
+    lines: Sketch
+    profile: np.ndarray | None = None
+    gap: Gap | None = None
+    before: State | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class HandleTargets:
+    """A layer: the lines of a head are where they were drawn.
+
+    Parameters
+    ----------
+    inferred, frame : View
+        Where the head below stands in the drawing, and where the edited one does: drawn larger, it is larger.
+    sketch : Sketch
+        Its pieces tell where the handles of the lines go.
+    profile : (p, 2) array or None
+        As `Followup` has it.
+    """
+
+    inferred: View
+    frame: View
+    sketch: Sketch
+    profile: np.ndarray | None = None
+
+    def on(self, head: Face) -> Face:
+        """The head with its lines moved."""
+        from sketchwidget.face import Face
+
+        scale = self.inferred.scale / self.frame.scale
+        shift = (self.inferred.centre - self.frame.centre) / self.frame.scale * [1, -1]
+        vertices = head.vertices * np.float32(scale) + np.append(shift, 0.0).astype(np.float32)
+        curves, targets = head.model.curves, {}
+        for name in LINES:
+            drawn = handle_points(pieces_of(self.sketch, name), len(curves[name]))
+            targets[name] = (drawn - self.frame.centre) / self.frame.scale * [1, -1]
+        drawn = None if self.profile is None else profile.in_head(self.profile, self.frame)
+        return Face(head.model, head.model.handles(vertices, targets, drawn))
 
 
 def entered(state: State, modeller: Modeller) -> State:
-    """The state with the projected lines of its head in place of silhouette and features; drawn wrinkles stay."""
+    """The state in which the lines of the head on show are edited.
+
+    The projected lines take the place of silhouette and features; drawn wrinkles stay, and so do lines that were edited
+    before and not touched since.
+    """
     shown = modeller.head(state)
-    lines = shown.face.sketch(wrinkles=False, view=shown.frame)
-    named = state.sketch.renamed(shown.names)
-    wrinkles = tuple(segment for segment in named.segments if segment.name == WRINKLE)
-    return replace(state, mode="followup", sketch=Sketch((*lines.segments, *wrinkles)))
+    face = shown.layers.drawn
+    kept = _whole_lines(state.sketch, face)
+    if len(kept) == len(LINES) and all(segment.name != UNNAMED for segment in state.sketch.segments):
+        return replace(state, mode="followup")
+    projected = editable(face.model.template, face.vertices, shown.frame)
+    lines = [piece for name in LINES for piece in kept.get(name) or pieces_of(projected, name)]
+    named = state.sketch.renamed(shown.names).segments
+    wrinkles = [segment for segment in named if segment.name == WRINKLE]
+    sketch = Sketch((*lines, *wrinkles))
+    former = state.followup and state.followup.profile
+    return replace(state, mode="followup", sketch=sketch, followup=Followup(shown, sketch, former))
 
 
 def from_template(modeller: Modeller) -> State:
-    """The state that begins with the lines of the template."""
-    return State("followup", modeller.model.face().sketch(wrinkles=False))
+    """The state in which the lines of the template are edited."""
+    from .modeller import Modelled
+
+    face = modeller.model.face()
+    sketch = editable(face.model.template, face.vertices, View())
+    start = Modelled.of(face, View(), sketch)
+    return State("followup", sketch, Followup(start, sketch))
+
+
+def left(state: State) -> State:
+    """The state as another mode begins: what was erased and not drawn anew is there again."""
+    waiting = state.followup and state.followup.before
+    return waiting or state
+
+
+def edited(state: State, event: Event, modeller: Modeller) -> State:
+    """The state after an edit in follow-up sketching; the same object if it changes nothing.
+
+    Raises
+    ------
+    ValueError
+        If a stroke closes no gap, or comes where something else must be drawn first.
+    """
+    followup = state.followup
+    if followup is None:
+        raise ValueError("there are no lines to edit: enter the mode by session.mode or session.start_from_template()")
+    match event:
+        case Draw(points=points, view="front", mirror=mirror):
+            strokes = [points, _mirrored(points)] if mirror else [points]
+            return _filled(state, followup, strokes) if followup.gap else _with_wrinkles(state, strokes)
+        case Draw(points=points, view=view):
+            if followup.gap is not None:
+                raise GapError(f"the erased part of the line {followup.gap.name} must be drawn first, or cancelled")
+            drawn = profile.dragged(followup.profile, modeller.head(state), points, view)
+            return replace(state, followup=replace(followup, profile=drawn))
+        case Erase(points=points, radius=radius):
+            return _erased(state, followup, points, radius)
+        case Cancel():
+            return followup.before or state
+        case Clear():
+            cleared = Sketch(tuple(segment for segment in followup.lines.segments if isinstance(segment, Piece)))
+            unchanged = followup.profile is None and followup.gap is None and state.sketch == cleared
+            return state if unchanged else replace(state, sketch=cleared, followup=Followup(followup.start, cleared))
+        case _:
+            raise TypeError(f"an edit is a Draw, Erase, Cancel or Clear; given {event!r}")
+
+
+def pieces_of(sketch: Sketch, name: str) -> list[Piece]:
+    """The pieces of a line, in its order."""
+    pieces = [segment for segment in sketch.segments if segment.name == name and isinstance(segment, Piece)]
+    return sorted(pieces, key=lambda piece: piece.low)
+
+
+def _whole_lines(sketch: Sketch, face: Face) -> dict[str, list[Piece]]:
+    """The lines of which every handle point is in the drawing."""
+    found = {name: pieces_of(sketch, name) for name in LINES}
+    counts = {name: len(face.model.curves[name]) for name in LINES}
+    return {
+        name: pieces
+        for name, pieces in found.items()
+        if pieces and np.isfinite(handle_points(pieces, counts[name])).all()
+    }
+
+
+def _with_line(sketch: Sketch, name: str, pieces: Sequence[Piece]) -> Sketch:
+    """The sketch with other pieces of a line, in the order of the lines."""
+    others = [segment for segment in sketch.segments if segment.name != name]
+    order = {line: number for number, line in enumerate(LINES)}
+    segments: list[Segment] = [*pieces, *others]
+    return Sketch(tuple(sorted(segments, key=lambda segment: order.get(segment.name, len(order)))))
+
+
+def _with_wrinkles(state: State, strokes: list[np.ndarray]) -> State:
+    sketch = state.sketch
+    for stroke in strokes:
+        sketch = sketch.with_segment(WRINKLE, stroke)
+    return replace(state, sketch=sketch)
+
+
+def _erased(state: State, followup: Followup, points: np.ndarray, radius: float) -> State:
+    waiting = followup.gap.name if followup.gap else None
+    sketch = state.sketch
+    within = [n for n, segment in enumerate(sketch.segments) if waiting in (None, segment.name)]
+    touched = first_touched(Sketch(tuple(sketch.segments[n] for n in within)), points, radius)
+    if touched is None:
+        return state
+    segment = sketch.segments[within[touched]]
+    if not isinstance(segment, Piece):
+        kept = tuple(other for n, other in enumerate(sketch.segments) if n != within[touched])
+        return replace(state, sketch=Sketch(kept))
+    before = followup.before or state
+    whole = pieces_of(before.sketch, segment.name)
+    if segment.name == SILHOUETTE:
+        opened = outline_gap(whole[0], segment, points, radius)
+        if opened is None:
+            return state
+        pieces, gap = [opened[0]], opened[1]
+    else:
+        low, high = segment.low, segment.high
+        if followup.gap is not None:
+            low, high = min(low, followup.gap.low), max(high, followup.gap.high)
+        pieces, gap = feature_gap(whole, low, high)
+    opened_followup = replace(followup, gap=gap, before=before)
+    return replace(state, sketch=_with_line(sketch, segment.name, pieces), followup=opened_followup)
+
+
+def _filled(state: State, followup: Followup, strokes: list[np.ndarray]) -> State:
+    gap, before = followup.gap, followup.before
+    assert gap is not None and before is not None
+    sketch = _redrawn(before.sketch, state.sketch, gap, strokes[0])
+    side, _, rest = gap.name.partition("_")
+    if len(strokes) > 1 and side in _SIDES:
+        other = f"{_SIDES[side]}_{rest}"
+        kept, mirrored = feature_gap(pieces_of(sketch, other), gap.low, gap.high)
+        sketch = _redrawn(sketch, _with_line(sketch, other, kept), mirrored, strokes[1])
+    return replace(state, sketch=sketch, followup=replace(followup, gap=None, before=None))
+
+
+def _redrawn(before: Sketch, opened: Sketch, gap: Gap, stroke: np.ndarray) -> Sketch:
+    """The sketch with a gap closed by a stroke, and the partner of the line taken along."""
+    kept = pieces_of(opened, gap.name)
+    new = fill(gap, stroke)
+    if gap.name == SILHOUETTE:
+        return _with_line(opened, SILHOUETTE, [closed(kept[0], new)])
+    line = sorted([*kept, new], key=lambda piece: piece.low)
+    sketch = _with_line(opened, gap.name, line)
+    partner = partner_of(gap.name)
+    if partner is None:
+        return sketch
+    return _with_line(sketch, partner, follow(pieces_of(opened, partner), pieces_of(before, gap.name), line))
+
+
+def _mirrored(points: Any) -> np.ndarray:
+    return np.stack([1 - points[:, 0], points[:, 1]], axis=1)

@@ -70,9 +70,14 @@ class Layers:
     refinement: Layer | None = None
 
     @cached_property
-    def head(self) -> Face:
-        """All layers on top of each other."""
+    def drawn(self) -> Face:
+        """The head whose lines are drawn: all layers but the refinement."""
         head = self.parameters
-        for layer in (self.residual, self.targets, self.refinement):
+        for layer in (self.residual, self.targets):
             head = head if layer is None else layer.on(head)
         return head
+
+    @cached_property
+    def head(self) -> Face:
+        """All layers on top of each other."""
+        return self.drawn if self.refinement is None else self.refinement.on(self.drawn)

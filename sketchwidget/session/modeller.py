@@ -9,7 +9,9 @@ from time import perf_counter
 from typing import TYPE_CHECKING
 
 from sketchwidget.geometry.view import View
+from sketchwidget.sketch import SILHOUETTE, Piece, Sketch
 
+from .followup import Followup, HandleTargets
 from .layers import Layers
 from .state import State
 
@@ -40,6 +42,11 @@ class Modelled:
     frame: View = field(default_factory=View)
     names: tuple[str, ...] = ()
     timings: Mapping[str, float] = field(default_factory=dict)
+
+    @classmethod
+    def of(cls, face: Face, frame: View, sketch: Sketch) -> Modelled:
+        """A head that nothing was inferred for."""
+        return cls(Layers(face), frame, _names(sketch))
 
     @property
     def face(self) -> Face:
@@ -95,10 +102,44 @@ class Modeller:
         return modelled
 
     def _modelled(self, state: State) -> Modelled:
+        followup = state.followup
+        if followup is not None and followup.before is not None:
+            # While a line waits to be drawn, the head is the one before it was erased.
+            return replace(self.head(followup.before), names=_names(state.sketch))
+        if followup is not None and followup.profile is None and state.sketch == followup.lines:
+            return replace(followup.start, names=_names(state.sketch), timings={})
+        inferred = self._inferred(state.sketch)
+        if followup is None or not (_edited(state.sketch) or followup.profile is not None):
+            return inferred
+        return self._obeying(inferred, state.sketch, followup)
+
+    def _inferred(self, sketch: Sketch) -> Modelled:
         if not self.inference:
-            return Modelled(Layers(self.model.face()), names=tuple(segment.name for segment in state.sketch.segments))
+            return Modelled.of(self.model.face(), View(), sketch)
         regressor = self.regressor
         started = perf_counter()
-        inference = regressor.infer(state.sketch)
-        timings = {**inference.timings, "inference": 1e3 * (perf_counter() - started)}
+        inference = regressor.infer(sketch)
+        timings = {**inference.timings, "inference": _milliseconds_since(started)}
         return Modelled(Layers(inference.face), inference.frame, inference.names, timings)
+
+    def _obeying(self, inferred: Modelled, sketch: Sketch, followup: Followup) -> Modelled:
+        """A head with its lines where they were drawn; without an edited silhouette it stands where it was inferred."""
+        started = perf_counter()
+        frame = followup.start.frame if SILHOUETTE in _edited(sketch) else inferred.frame
+        layers = replace(inferred.layers, targets=HandleTargets(inferred.frame, frame, sketch, followup.profile))
+        _ = layers.head
+        timings = {**inferred.timings, "deformation": _milliseconds_since(started)}
+        return Modelled(layers, frame, inferred.names, timings)
+
+
+def _edited(sketch: Sketch) -> set[str]:
+    """Names of the lines that follow-up sketching has drawn."""
+    return {segment.name for segment in sketch.segments if isinstance(segment, Piece)}
+
+
+def _names(sketch: Sketch) -> tuple[str, ...]:
+    return tuple(segment.name for segment in sketch.segments)
+
+
+def _milliseconds_since(started: float) -> float:
+    return 1e3 * (perf_counter() - started)

@@ -13,9 +13,9 @@ from traitlets import Bool, Dict, HasTraits, Instance, Unicode, default
 from sketchwidget.geometry.view import View
 from sketchwidget.sketch import Sketch, textfile
 
-from . import file
+from . import file, profile
 from .apply import apply
-from .events import Clear, Draw, Erase, Event, Mode, Redo, StartFromTemplate, Undo
+from .events import Cancel, Clear, Draw, Erase, Event, Mode, Redo, StartFromTemplate, Undo
 from .file import SessionFileError
 from .history import History
 from .layers import Layers
@@ -44,7 +44,8 @@ class Session(HasTraits):
     regressor : object with `infer(sketch) -> Inference`, optional
         Default: the shipped `FaceRegressor`, loaded when first needed.
     inference : bool
-        If False, no sketch is inferred: the head is the template's, and only its lines deform it.
+        If False, no sketch is inferred: the session begins with the lines of the template, and only they deform it (the
+        deformation-only interface of the paper's 6.1).
 
     Attributes
     ----------
@@ -60,6 +61,8 @@ class Session(HasTraits):
         Where the drawing places the head on the canvas.
     timings : dict of str to float
         Milliseconds of the last change: "sketch" for the edit, "inference", "total", and the steps of the inference.
+    gap : Gap or None
+        The part of a line that was erased in follow-up sketching and must be drawn next.
     can_undo, can_redo : bool
     events : tuple of Event
         All that changed anything, undos and redos included.
@@ -71,6 +74,7 @@ class Session(HasTraits):
     layers = Instance(Layers, read_only=True)
     frame = Instance(View, args=(), read_only=True)
     timings = Dict(read_only=True)
+    gap: Any = AnyTrait(None, read_only=True)
     can_undo = Bool(False, read_only=True)
     can_redo = Bool(False, read_only=True)
 
@@ -79,6 +83,13 @@ class Session(HasTraits):
         self._modeller = Modeller(regressor, inference)
         self._history = History(self._modeller)
         self._events: list[Event] = []
+        if not inference:
+            self.start_from_template()
+
+    @property
+    def inference(self) -> bool:
+        """Whether the drawing is inferred."""
+        return self._modeller.inference
 
     @property
     def events(self) -> tuple[Event, ...]:
@@ -88,19 +99,23 @@ class Session(HasTraits):
     def draw(self, points: Any, view: str = "front", mirror: bool = False) -> None:
         """Draw a stroke.
 
+        In follow-up sketching it closes the gap that an eraser opened; without one it is a wrinkle. In a side view it
+        drags the profile to it.
+
         Parameters
         ----------
         points : (n, 2) array-like
             Canvas points, each coordinate within [-1, 2].
         view : str
-            The view it is drawn in: "front".
+            The view it is drawn in: "front"; in follow-up sketching also "left" and "right", for the profile.
         mirror : bool
             Whether to draw its mirror image about the axis x = 0.5 with it.
 
         Raises
         ------
         ValueError
-            If the points are no stroke, the view is another, or the sketch is full; nothing has changed then.
+            If the points are no stroke, the view is another, the stroke closes no gap, or the sketch is full; nothing
+            has changed then.
         """
         self._do(Draw(points, view, mirror))
 
@@ -113,6 +128,9 @@ class Session(HasTraits):
 
     def erase(self, points: Any, radius: float = 0.02) -> bool:
         """Erase the ink under the eraser.
+
+        In follow-up sketching, the first whole segment that it comes to, or what it covers of the silhouette. After a
+        part of a line, only more of the same line can be erased until it was drawn anew.
 
         Parameters
         ----------
@@ -143,6 +161,14 @@ class Session(HasTraits):
         """Begin follow-up sketching with the lines of the template, in place of the drawing (paper 3.2)."""
         self._do(StartFromTemplate())
 
+    def cancel(self) -> bool:
+        """Give back what was erased and waits to be drawn anew; False if nothing waits."""
+        return self._do(Cancel())
+
+    def profile(self, side: str = "left") -> np.ndarray:
+        """The head's profile (p, 2) on the canvas of its "left" or "right" view, beside which `draw` drags it."""
+        return profile.drawn(self._modeller.head(self._history.state), side)
+
     def undo(self) -> bool:
         """Take the last edit back; False if there was none."""
         return self._do(Undo())
@@ -156,7 +182,7 @@ class Session(HasTraits):
         return file.dumps(self._events)
 
     @classmethod
-    def loads(cls, text: str, regressor: FaceRegressor | None = None) -> Self:
+    def loads(cls, text: str, regressor: FaceRegressor | None = None, inference: bool = True) -> Self:
         """Replay a session from its text.
 
         Raises
@@ -164,7 +190,7 @@ class Session(HasTraits):
         SessionFileError
             If the text is no session that can be replayed; the message says what is wrong, and where.
         """
-        session = cls(regressor)
+        session = cls(regressor, inference)
         started = perf_counter()
         for number, event in enumerate(file.loads(text), start=2):
             try:
@@ -179,7 +205,7 @@ class Session(HasTraits):
         textfile.write(path, self.dumps())
 
     @classmethod
-    def load(cls, path: str | os.PathLike[str], regressor: FaceRegressor | None = None) -> Self:
+    def load(cls, path: str | os.PathLike[str], regressor: FaceRegressor | None = None, inference: bool = True) -> Self:
         """Replay a session from its file.
 
         Raises
@@ -194,7 +220,7 @@ class Session(HasTraits):
         except ValueError as error:
             raise SessionFileError(f"{os.fspath(path)} is no session: {error}") from error
         try:
-            return cls.loads(text, regressor)
+            return cls.loads(text, regressor, inference)
         except SessionFileError as error:
             raise SessionFileError(f"{os.fspath(path)}: {error}") from error
 
@@ -224,6 +250,7 @@ class Session(HasTraits):
         state = self._history.state
         traits = {
             "mode": state.mode,
+            "gap": state.followup and state.followup.gap,
             "sketch": state.sketch,
             "can_undo": self._history.can_undo,
             "can_redo": self._history.can_redo,

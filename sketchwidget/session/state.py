@@ -3,8 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
 
 from sketchwidget.sketch import Sketch
+
+if TYPE_CHECKING:
+    from .followup import Followup
 
 
 @dataclass(frozen=True)
@@ -19,7 +23,10 @@ class State:
     sketch : Sketch
         Strokes as drawn are "unnamed": which lines they are is inferred from it, and no part of the state. The lines of
         follow-up sketching have their names.
+    followup : Followup, optional
+        What is edited in follow-up sketching; it stays when the mode is left.
     """
 
     mode: str = "initial"
     sketch: Sketch = field(default_factory=Sketch)
+    followup: Followup | None = None

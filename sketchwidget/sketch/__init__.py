@@ -2,6 +2,7 @@
 
 from .erase import erase
 from .names import COLOURS, FEATURES, LINE_NAMES, SILHOUETTE, UNNAMED, WRINKLE, kind
+from .piece import Piece
 from .polyline import arc_length, resample, resample_each
 from .raster import rasterise
 from .sketch import Segment, Sketch
@@ -14,6 +15,7 @@ __all__ = [
     "SILHOUETTE",
     "UNNAMED",
     "WRINKLE",
+    "Piece",
     "Segment",
     "Sketch",
     "arc_length",

@@ -11,9 +11,10 @@ from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
+from scipy.spatial import KDTree
 
 from .names import UNNAMED
-from .polyline import arc_length
+from .polyline import arc_length, resample
 from .sketch import Segment, Sketch
 from .stroke import as_stroke
 from .sweep import covered_spans, distance_to_move
@@ -21,6 +22,7 @@ from .sweep import covered_spans, distance_to_move
 RADIUS_RANGE = (1e-3, 1.0)  # from a quarter of a pixel of the networks' image to the whole canvas
 
 _SHORTEST = 0.5  # of the radius: shorter fragments are crumbs and go too
+_TOUCH_POINTS = 100  # of a segment, when the nearest one is sought
 _TOUCH = 1 - 1e-3  # of the radius: ink further out only touches the eraser, as do the ends that an earlier pass left
 
 
@@ -77,6 +79,26 @@ def erase_stroke(points: np.ndarray, path: Any, radius: float) -> list[np.ndarra
     radius = as_radius(radius)
     erased = _erased_spans(Sketch((Segment(UNNAMED, points[:, :2]),)), path, radius)
     return _fragments(points, erased[0], radius) if erased else None
+
+
+def first_touched(sketch: Sketch, path: Any, radius: float) -> int | None:
+    """Which segment an eraser comes to first, the nearest of several at once; None if none is under it.
+
+    Raises
+    ------
+    ValueError
+        If the path is no stroke or the radius is out of range.
+    """
+    radius = as_radius(radius)
+    hit = list(_erased_spans(sketch, path, radius))
+    if not hit:
+        return None
+    path = as_stroke(path)
+    steps = resample(path, 1 + int(2 * arc_length(path)[-1] / radius))
+    lines = [sketch.segments[index].points for index in hit]
+    away = np.stack([KDTree(resample(line, _TOUCH_POINTS)).query(steps)[0] for line in lines])
+    first = int(np.argmax((away <= max(radius, away.min())).any(axis=0)))
+    return hit[int(np.argmin(away[:, first]))]
 
 
 def as_radius(radius: Any) -> float:

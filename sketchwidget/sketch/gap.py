@@ -1,0 +1,259 @@
+"""Gaps in the lines of a head: what an eraser opens, and how a stroke closes it (paper 3.2)."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from scipy.spatial import KDTree
+
+from .crossing import cross, without_loops
+from .erase import erase_stroke
+from .names import SILHOUETTE
+from .piece import Piece, joined
+from .polyline import arc_length, resample
+
+_STROKE_POINTS = 160
+_JOIN = 0.02  # canvas units from an open end within which a stroke bends into the direction of the line
+_TANGENT = 0.015  # canvas units of a line that tell its direction at an open end
+_OVERSHOOT = 0.4  # of a stroke, from each end, that may run past the open end
+_FARTHEST = 0.2  # canvas units from the gap: such a stroke means something else
+_SHORTEST = 0.3  # of the way from end to end
+_LONGEST = 4.0  # times the erased line, or that way
+_LEAST_OUTLINE = 0.1  # of the silhouette must stay
+
+
+class GapError(ValueError):
+    """A stroke that closes no gap, or an eraser that leaves nothing to join; the message says why."""
+
+
+@dataclass(frozen=True, eq=False)
+class Gap:
+    """A part of a line that was erased and must be drawn anew.
+
+    Parameters
+    ----------
+    erased : Piece
+        The former line, from open end to open end.
+    low, high : float
+        The part of the line that the replacement stands for.
+    arrival, departure : (2,) arrays or None
+        Direction of the line where it breaks off and where it goes on; None where it ends: there the replacement may
+        end anywhere.
+    """
+
+    erased: Piece
+    low: float
+    high: float
+    arrival: np.ndarray | None
+    departure: np.ndarray | None
+
+    @property
+    def name(self) -> str:
+        """Of the line."""
+        return self.erased.name
+
+    @property
+    def ends(self) -> np.ndarray:
+        """The open ends (k, 2): two, one or none."""
+        open_at = [end for end, way in ((0, self.arrival), (-1, self.departure)) if way is not None]
+        return self.erased.points[open_at]
+
+
+def feature_gap(whole: Sequence[Piece], low: float, high: float) -> tuple[list[Piece], Gap]:
+    """Erase the pieces of a feature line between two places.
+
+    Parameters
+    ----------
+    whole : sequence of Piece
+        All pieces of the line, in its order.
+    low, high : float
+        From the beginning of the first to the end of the last piece that goes.
+
+    Returns
+    -------
+    kept : list of Piece
+    gap : Gap
+    """
+    before = [piece for piece in whole if piece.high < low]
+    after = [piece for piece in whole if piece.low > high]
+    gone = [piece for piece in whole if low <= piece.low and piece.high <= high]
+    first = [_point_of(before[-1], -1)] if before else []
+    last = [_point_of(after[0], 0)] if after else []
+    return [*before, *after], Gap(
+        joined([*first, *gone, *last]),
+        low,
+        high,
+        -_direction(before[-1].points[::-1]) if before else None,
+        _direction(after[0].points) if after else None,
+    )
+
+
+def outline_gap(whole: Piece, kept: Piece, path: Any, radius: float) -> tuple[Piece, Gap] | None:
+    """Erase a part of the silhouette.
+
+    What lies between several parts goes with them, the shorter way round.
+
+    Parameters
+    ----------
+    whole : Piece
+        The closed silhouette before anything of it was erased.
+    kept : Piece
+        What is left of it: the same, or an open part of it.
+    path : (n, 2) array
+        Of the eraser.
+    radius : float
+
+    Returns
+    -------
+    kept : Piece
+    gap : Gap
+        None if the eraser takes nothing away.
+
+    Raises
+    ------
+    GapError
+        If hardly anything would stay.
+    """
+    table = np.column_stack([kept.points, kept.at])
+    parts = erase_stroke(table, path, radius)
+    if parts is None:
+        return None
+    period = whole.high - whole.low
+    wraps = kept.is_closed and len(parts) > 1
+    if wraps and (parts[0][0] == table[0]).all() and (parts[-1][-1] == table[-1]).all():
+        parts = [*parts[1:-1], np.concatenate([parts[-1], parts[0][1:] + np.array([0, 0, period])])]
+    longest = max(parts, key=lambda part: arc_length(part[:, :2])[-1], default=table[:1])
+    if arc_length(longest[:, :2])[-1] < _LEAST_OUTLINE * arc_length(whole.points)[-1]:
+        raise GapError("hardly anything of the outline would stay: erase a part of it, the rest tells where it belongs")
+    left = Piece(kept.name, longest[:, :2], longest[:, 2])
+    erased = _between(whole, left.high, left.low + period)
+    return left, Gap(erased, erased.low, erased.high, -_direction(left.points[::-1]), _direction(left.points))
+
+
+def closed(kept: Piece, replacement: Piece) -> Piece:
+    """The silhouette from what was kept of it and the replacement of the rest.
+
+    Raises
+    ------
+    GapError
+        If it would cross itself.
+    """
+    points = np.concatenate([kept.points[:-1], replacement.points[:-1], kept.points[:1]])
+    at = np.concatenate([kept.at[:-1], replacement.at])
+    if cross(resample(kept.points[1:-1], 200), replacement.points[2:-2]):
+        raise GapError("the outline would cross itself: draw the erased part from one open end to the other")
+    return Piece(kept.name, points, at)
+
+
+def fill(gap: Gap, stroke: np.ndarray) -> Piece:
+    """The stroke as the replacement of what was erased.
+
+    It is turned to run the way of the line, cut where it runs past the open ends, freed of loops, moved onto the ends
+    and bent into the line's direction there. Its points correspond to those of the erased line by arc length (5.1).
+
+    Parameters
+    ----------
+    gap : Gap
+    stroke : (n, 2) array
+
+    Returns
+    -------
+    Piece
+        From `gap.low` to `gap.high`.
+
+    Raises
+    ------
+    GapError
+        If the stroke is no line from end to end: a dot, a closed loop, something far away or far too long.
+    """
+    start, end = gap.erased.points[0].astype(np.float64), gap.erased.points[-1].astype(np.float64)
+    line = _plain(gap, np.asarray(stroke, dtype=np.float64), start, end)
+    if gap.arrival is not None:
+        line = _begun_at(line, start, gap.arrival)
+    if gap.departure is not None:
+        line = _begun_at(line[::-1], end, -gap.departure)[::-1]
+    # The erased points by their share of arc length, and the new ones at the same shares.
+    share, along = arc_length(gap.erased.points), arc_length(line)
+    at = np.interp(along / along[-1], share / share[-1], gap.erased.at)
+    shares = np.unique(np.concatenate([[gap.low, gap.high], at[(at > gap.low) & (at < gap.high)]]))
+    points = np.stack([np.interp(shares, at, line[:, axis]) for axis in range(2)], axis=1)
+    return Piece(gap.name, points, shares)
+
+
+def _plain(gap: Gap, stroke: np.ndarray, start: np.ndarray, end: np.ndarray) -> np.ndarray:
+    """The stroke as a plain line (n, 2) that runs the way of the gap."""
+    chord = float(np.linalg.norm(end - start))
+    if arc_length(stroke)[-1] < max(0.2 * chord, 2e-3):
+        raise GapError("a dot closes no gap: draw the erased line from one end to the other")
+    if arc_length(stroke)[-1] > _LONGEST * max(float(arc_length(gap.erased.points)[-1]), chord):
+        raise GapError("the stroke is far longer than the gap: draw the erased line once, from one end to the other")
+    line = without_loops(resample(stroke, _STROKE_POINTS).astype(np.float64))
+    if min(KDTree(gap.erased.points).query(line)[0]) > _FARTHEST:
+        raise GapError("the stroke is nowhere near the gap: its replacement must be drawn first, or cancel")
+    if np.linalg.norm(line[0] - start) + np.linalg.norm(line[-1] - end) > np.linalg.norm(
+        line[-1] - start
+    ) + np.linalg.norm(line[0] - end):
+        line = line[::-1]
+    if gap.arrival is not None:
+        line = _cut(line, start)
+    if gap.departure is not None:
+        line = _cut(line[::-1], end)[::-1]
+    if len(line) < 3 or np.linalg.norm(line[-1] - line[0]) < _SHORTEST * chord:
+        raise GapError("the stroke is a loop or too short: draw the erased line from one end to the other")
+    return resample(line, _STROKE_POINTS).astype(np.float64)
+
+
+def _cut(line: np.ndarray, end: np.ndarray) -> np.ndarray:
+    """A line without what it has before its passage at an open end."""
+    head = line[: max(1, int(_OVERSHOOT * len(line)))]
+    return line[int(np.argmin(np.linalg.norm(head - end, axis=1))) :]
+
+
+def _begun_at(line: np.ndarray, start: np.ndarray, direction: np.ndarray) -> np.ndarray:
+    """A line moved to begin at a point, the less the further along, and in a direction if it does not turn back."""
+    along = arc_length(line)
+    rest = np.clip(1 - 2 * along / along[-1], 0.0, 1.0)
+    line = line + (rest**2 * (3 - 2 * rest))[:, None] * (start - line[0])
+    along = arc_length(line)
+    bend = int(np.searchsorted(along, min(_JOIN, along[-1] / 6)))
+    onward = _unit(line[min(bend + 4, len(line) - 1)] - line[bend])
+    if bend < 2 or onward @ direction < 0:
+        return line
+    reach = np.linalg.norm(line[bend] - start)
+    t = (along[: bend + 1] / along[bend])[:, None]
+    curve = (
+        (2 * t**3 - 3 * t**2 + 1) * start
+        + (t**3 - 2 * t**2 + t) * reach * direction
+        + (3 * t**2 - 2 * t**3) * line[bend]
+        + (t**3 - t**2) * reach * onward
+    )
+    return np.concatenate([curve, line[bend + 1 :]])
+
+
+def _direction(points: np.ndarray) -> np.ndarray:
+    """In which direction (2,) a line (n, 2) begins."""
+    along = arc_length(points)
+    ahead = min(_TANGENT, along[-1])
+    return _unit(np.array([np.interp(ahead, along, points[:, axis]) for axis in range(2)]) - points[0])
+
+
+def _unit(vector: np.ndarray) -> np.ndarray:
+    return np.asarray(vector / max(float(np.linalg.norm(vector)), 1e-12), dtype=np.float64)
+
+
+def _point_of(piece: Piece, index: int) -> Piece:
+    """The first or last point of a piece, as a piece."""
+    return Piece(piece.name, piece.points[[index]], piece.at[[index]])
+
+
+def _between(whole: Piece, low: float, high: float) -> Piece:
+    """The part of the closed silhouette from one place to another, which may lie past its last point."""
+    period = whole.high - whole.low
+    shift = np.floor((low - whole.low) / period) * period
+    at = np.concatenate([whole.at, whole.at[1:] + period]) + shift
+    points = np.concatenate([whole.points, whole.points[1:]])
+    places = np.concatenate([[low], at[(at > low) & (at < high)], [high]])
+    return Piece(SILHOUETTE, np.stack([np.interp(places, at, points[:, axis]) for axis in range(2)], axis=1), places)

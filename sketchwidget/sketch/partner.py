@@ -1,0 +1,72 @@
+"""The two contours of an eye or of the mouth: they share their corners and do not cross (paper 3.2)."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from .piece import Piece, joined
+
+_SUFFIXES = {"_upper": "_lower", "_lower": "_upper"}
+
+
+def partner_of(name: str) -> str | None:
+    """The other contour of an eye or of the mouth; None for other lines."""
+    for ending, other in _SUFFIXES.items():
+        if name.endswith(ending):
+            return name.removesuffix(ending) + other
+    return None
+
+
+def follow(partner: Sequence[Piece], former: Sequence[Piece], redrawn: Sequence[Piece]) -> list[Piece]:
+    """A contour after the other one was redrawn.
+
+    It is taken along by the similarity of the plane that carries the former corners to the new ones. Where it would
+    then cross the redrawn contour, it is laid onto it: lids and lips close, and do not pass through each other.
+
+    Parameters
+    ----------
+    partner, former, redrawn : sequences of Piece
+        All pieces of the contour that follows, and of the other one before and after, in the order of their line.
+
+    Returns
+    -------
+    list of Piece
+    """
+    (a, b), (c, d) = (
+        [complex(*line.points[0]), complex(*line.points[-1])] for line in (joined(former), joined(redrawn))
+    )
+    turn = (d - c) / (b - a) if a != b else 1.0
+    other = _in_axes(joined(redrawn).points, c, d)
+    runs = np.maximum.accumulate(other.real)
+    below = 1.0 if redrawn[0].name.endswith("_upper") == (d.real > c.real) else -1.0
+    moved = []
+    for piece in partner:
+        here = c + turn * (_complex(piece.points) - a)
+        place = _in_axes(np.stack([here.real, here.imag], axis=1), c, d)
+        least = np.interp(place.real, runs, other.imag)
+        height = below * np.maximum(below * place.imag, below * least)
+        there = c + (place.real + 1j * height) * _unit(d - c)
+        moved.append(piece.moved(np.stack([there.real, there.imag], axis=1)))
+    return _with_corners(moved, redrawn[0].points[0], redrawn[-1].points[-1])
+
+
+def _with_corners(pieces: list[Piece], first: np.ndarray, last: np.ndarray) -> list[Piece]:
+    """Pieces whose line ends at these points, to the last bit."""
+    lines = [piece.points.copy() for piece in pieces]
+    lines[0][0], lines[-1][-1] = first, last
+    return [piece.moved(line) for piece, line in zip(pieces, lines, strict=True)]
+
+
+def _in_axes(points: np.ndarray, start: complex, end: complex) -> np.ndarray:
+    """Points (n, 2) as complex numbers along and across the way from start to end."""
+    return (_complex(points) - start) / _unit(end - start)
+
+
+def _complex(points: np.ndarray) -> np.ndarray:
+    return points[:, 0].astype(np.float64) + 1j * points[:, 1]
+
+
+def _unit(way: complex) -> complex:
+    return way / abs(way) if way else 1.0
