@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
 
+import igl
 import numpy as np
 from scipy import sparse
 from scipy.sparse.csgraph import connected_components, dijkstra
+from scipy.spatial import KDTree
 
 from ..geometry.handle_deformation import HandleDeformation
 from ..sketch import FEATURES, SILHOUETTE
@@ -22,15 +25,19 @@ _ANCHOR = 100.0**-4  # 1 / mm^4: the back of the head stays
 _UPPER, _LOWER = (27, 28, 29, 30, 33, 51, 62), (66, 57, 8)
 _OFF_MIDDLE = 1.0  # mm off the middle that make a way twice as long
 _DEPTH_KEPT = ("silhouette", "ear", "eye")  # lines, by a part of their name, that stay in depth when the profile moves
+_HANGING = 4.0  # mm from the lips within which the inside of the mouth goes with them
+_COVERING, _BLUR = 12, 5.0  # vertices of the skin in front, and mm by which their displacements are blurred
+_FACING = 0.2  # z of a normal
 _AT_A_LINE = 6.0  # mm from a line of the front view, within which that gives the profile its height
 
 
 class CurveHandles:
     """Deforms heads of one topology by their lines.
 
-    Skin and mouth deform smoothly, by a displacement of the coarse mesh that is refined as the mesh itself. An eyeball
-    follows the corners of its lids by a similarity of the front view; teeth and tongue follow those of the mouth by a
-    shift.
+    Skin deforms smoothly, by a displacement of the coarse mesh that is refined as the mesh itself. What is behind it
+    keeps behind it: the inside of the mouth goes with the lips where it hangs on them, and deeper with the skin before
+    it; teeth and tongue follow that skin by a shift, and get narrower if it does; an eyeball follows the corners of
+    its lids by a similarity of the front view.
 
     Parameters
     ----------
@@ -48,7 +55,10 @@ class CurveHandles:
         self._template, self._rest = template, np.asarray(rest)
         self._paths = {name: template.curves[name] for name in LINES}
         self.profile = profile_curve(template, rest)
+        # A Catmull-Clark step puts the vertices of the coarse mesh first.
+        self._coarse = self._rest[: template.coarse_count]
         self._refine = template.subdivision[:, template.soft[0]]
+        self._spread = self._refine @ _covered(template, self._coarse)
         self._front = self._deformation(np.concatenate(list(self._paths.values())))
         self._parts = _parts(template, rest)
 
@@ -79,9 +89,9 @@ class CurveHandles:
             start += len(path)
         moved = np.array(vertices, dtype=np.float32)
         if profile is None:
-            moved[:, :2] += self._refine @ self._front(moves)
+            moved[:, :2] += self._spread @ self._front(moves)
         else:
-            moved += self._refine @ self._with_profile(moves, profile - vertices[self.profile][:, [2, 1]])
+            moved += self._spread @ self._with_profile(moves, profile - vertices[self.profile][:, [2, 1]])
         self._follow(vertices, moved)
         return moved
 
@@ -111,18 +121,21 @@ class CurveHandles:
 
     def _deformation(self, handles: np.ndarray) -> HandleDeformation:
         soft, faces = self._template.soft
-        # The coarse mesh at rest: the vertices of a Catmull-Clark step that came of its own vertices are the first.
-        coarse = self._rest[: self._template.coarse_count][soft]
-        return HandleDeformation(coarse, faces, self._refine[handles], _SOFTNESS, _ANCHOR)
+        return HandleDeformation(self._coarse[soft], faces, self._refine[handles], _SOFTNESS, _ANCHOR)
 
     def _follow(self, vertices: np.ndarray, moved: np.ndarray) -> None:
-        """Parts of their own go where the corners of lids or mouth went."""
-        for part, corners, grows in self._parts:
-            before, after = (mesh[corners, 0] + 1j * mesh[corners, 1] for mesh in (vertices, moved))
-            turn = (after[1] - after[0]) / (before[1] - before[0]) if grows else 1.0
-            here = vertices[part, 0] + 1j * vertices[part, 1]
-            there = after.mean() + turn * (here - before.mean())
-            moved[part, 0], moved[part, 1] = there.real, there.imag
+        """Parts of their own go where what they belong to went."""
+        for part in self._parts:
+            before, after = (mesh[part.leaders, 0] + 1j * mesh[part.leaders, 1] for mesh in (vertices, moved))
+            middle = before.mean()
+            spread = before - middle
+            turn = (after * spread.conj()).sum() / (np.abs(spread) ** 2).sum()
+            here = vertices[part.vertices, 0] + 1j * vertices[part.vertices, 1] - middle
+            if part.is_eye:
+                there = after.mean() + turn * here
+            else:
+                there = after.mean() + min(1.0, turn.real) * here.real + 1j * here.imag
+            moved[part.vertices, 0], moved[part.vertices, 1] = there.real, there.imag
 
 
 def profile_curve(template: Template, rest: np.ndarray) -> np.ndarray:
@@ -158,17 +171,59 @@ def _way(graph: sparse.csr_matrix, stations: tuple[int, ...]) -> list[int]:
     return way
 
 
-def _parts(template: Template, rest: np.ndarray) -> list[tuple[np.ndarray, np.ndarray, bool]]:
-    """Each part of its own: its vertices, the two corners (2,) that it follows, and whether it grows with them."""
+@dataclass(frozen=True)
+class _Part:
+    """A part of its own, and the vertices of the skin that it follows."""
+
+    vertices: np.ndarray
+    leaders: np.ndarray
+    is_eye: bool
+
+
+def _parts(template: Template, rest: np.ndarray) -> list[_Part]:
     faces = template.faces
     ends = (faces.ravel(), np.roll(faces, 1, axis=1).ravel())
     links = sparse.coo_matrix((np.ones(faces.size, dtype=bool), ends), shape=(len(rest), len(rest)))
     label = connected_components(links, directed=False)[1]
+    front = np.flatnonzero(_in_front(template.faces, rest, template.fine_parts))
+    tree = KDTree(rest[front, :2])
     parts = []
     for number in np.unique(label[template.fine_parts > PARTS.index("mouth")]):
         part = np.flatnonzero(label == number)
-        eye = bool(template.fine_parts[part[0]] == PARTS.index("eyes"))
-        side = "left" if rest[part, 0].mean() > 0 else "right"
-        line = template.curves[f"{side}_eye_upper" if eye else "mouth_upper"]
-        parts.append((part, line[[0, -1]], eye))
+        is_eye = bool(template.fine_parts[part[0]] == PARTS.index("eyes"))
+        if is_eye:
+            side = "left" if rest[part, 0].mean() > 0 else "right"
+            leaders = template.curves[f"{side}_eye_upper"][[0, -1]]
+        else:
+            leaders = front[tree.query(rest[part, :2])[1]]
+        parts.append(_Part(part, leaders, is_eye))
     return parts
+
+
+def _covered(template: Template, coarse: np.ndarray) -> sparse.csr_matrix:
+    """Displacements of skin and mouth (s, s) with those of the inside of the mouth made to go with what covers it."""
+    soft, faces = template.soft
+    parts = template.parts[soft]
+    skin = parts == PARTS.index("skin")
+    if skin.all():
+        return sparse.csr_matrix(sparse.identity(len(soft)))
+    points = coarse[soft]
+    inside = np.flatnonzero(~skin)
+    edges = faces[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2)
+    seam = edges[skin[edges[:, 0]] & ~skin[edges[:, 1]], 0]
+    away, hook = KDTree(points[seam]).query(points[inside])
+    hangs = np.exp(-((away / _HANGING) ** 2))
+    front = np.flatnonzero(_in_front(faces, points, parts))
+    distance, nearest = KDTree(points[front, :2]).query(points[inside, :2], k=_COVERING)
+    weight = np.exp(-0.5 * ((distance - distance[:, :1]) / _BLUR) ** 2)
+    weight *= ((1 - hangs) / weight.sum(axis=1))[:, None]
+    rows = np.concatenate([np.flatnonzero(skin), inside, np.repeat(inside, _COVERING)])
+    columns = np.concatenate([np.flatnonzero(skin), seam[hook], front[nearest].ravel()])
+    values = np.concatenate([np.ones(skin.sum()), hangs, weight.ravel()])
+    return sparse.csr_matrix((values, (rows, columns)), shape=(len(soft), len(soft)), dtype=np.float32)
+
+
+def _in_front(faces: np.ndarray, points: np.ndarray, parts: np.ndarray) -> np.ndarray:
+    """Which vertices (n,) bool are skin that faces the front."""
+    normals = np.asarray(igl.per_vertex_normals(points.astype(np.float64), faces.astype(np.int64)))
+    return (parts == PARTS.index("skin")) & (normals[:, 2] > _FACING)
