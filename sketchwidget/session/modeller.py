@@ -92,6 +92,12 @@ class Modeller:
             self._model = FaceModel.load()
         return self._model
 
+    def prepare(self) -> None:
+        """Load the network and what deforms heads."""
+        if self.inference:
+            _ = self.regressor
+        _ = self.model.handles
+
     def head(self, state: State) -> Modelled:
         """The head of a state; those of the last few states are remembered, and take no time."""
         for known, modelled in self._heads:

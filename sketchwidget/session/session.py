@@ -224,6 +224,10 @@ class Session(HasTraits):
         except SessionFileError as error:
             raise SessionFileError(f"{os.fspath(path)}: {error}") from error
 
+    def prepare(self) -> None:
+        """Load and compute what heads need, so that the first stroke does not wait for it."""
+        self._modeller.prepare()
+
     @default("layers")
     def _layers_of_no_drawing(self) -> Layers:
         return self._modeller.head(State()).layers

@@ -202,7 +202,7 @@ def _plain(gap: Gap, stroke: np.ndarray, start: np.ndarray, end: np.ndarray) -> 
     if gap.departure is not None:
         line = _cut(line[::-1], end)[::-1]
     if len(line) < 3 or np.linalg.norm(line[-1] - line[0]) < _SHORTEST * chord:
-        raise GapError("the stroke is a loop or too short: draw the erased line from one end to the other")
+        raise GapError("a loop or a short stroke closes no gap: draw the erased line from one end to the other")
     return resample(line, _STROKE_POINTS).astype(np.float64)
 
 

@@ -1,0 +1,333 @@
+"""Follow-up sketching on the shipped face model, with a regressor that knows nothing but the number of wrinkles."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+from scipy.spatial import KDTree
+
+from sketchwidget.face import FaceModel
+from sketchwidget.face.handles import LINES
+from sketchwidget.geometry import View
+from sketchwidget.session import Session
+from sketchwidget.sketch import Piece, resample
+
+TURN = np.linspace(0, 2 * np.pi, 60)
+OVAL = np.stack([0.5 + 0.27 * np.sin(TURN), 0.5 - 0.38 * np.cos(TURN)], axis=1)
+WRINKLE = [[0.4, 0.25], [0.5, 0.24], [0.6, 0.25]]
+NEAR = 0.0024  # canvas units: 0.6 mm
+
+
+class WrinkleCounter:
+    """Infers a head that is older by a step for each wrinkle; a stroke it has to name itself is a wrinkle."""
+
+    def __init__(self):
+        self.model = FaceModel.load()
+        self.asked = 0
+
+    def infer(self, sketch):
+        self.asked += 1
+        names = tuple("wrinkle" if segment.name == "unnamed" else segment.name for segment in sketch.segments)
+        weights = self.model.bilinear.identities
+        identity = self.model.mean_identity + 0.2 * names.count("wrinkle") * (weights[1] - weights[0])
+        return SimpleNamespace(face=self.model.face(identity), frame=View(), names=names, timings={})
+
+
+@pytest.fixture(scope="module")
+def regressor():
+    return WrinkleCounter()
+
+
+@pytest.fixture
+def session(regressor):
+    session = Session(regressor)
+    session.start_from_template()
+    return session
+
+
+def strayed(session):
+    """How far, in canvas units, a handle point is from its drawn line at most."""
+    farthest = 0.0
+    for name in LINES:
+        pieces = session.sketch.lines[name]
+        ink = np.concatenate([resample(points, 3000 if name == "silhouette" else 300) for points in pieces])
+        away = KDTree(ink).query(session.frame.project(session.face.curve(name)))[0]
+        farthest = max(farthest, away.max())
+    return farthest
+
+
+def erase_feature(session, name, number=0):
+    points = session.sketch.lines[name][number]
+    assert session.erase(points[len(points) // 2], radius=0.005)
+    return points
+
+
+def same(one, other):
+    return np.array_equal(one.face.vertices, other[0]) and one.sketch == other[1]
+
+
+def snapshot(session):
+    return session.face.vertices.copy(), session.sketch
+
+
+# -- entering -------------------------------------------------------------------------------------------------------
+
+
+def test_the_template_is_drawn_line_by_line(session):
+    assert session.mode == "followup" and set(session.sketch.lines) == set(LINES)
+    assert len(session.sketch.lines["silhouette"]) == 1 and len(session.sketch.lines["left_brow"]) > 1
+    outline = session.sketch.lines["silhouette"][0]
+    assert (outline[0] == outline[-1]).all()
+    assert strayed(session) < NEAR
+    np.testing.assert_array_equal(session.face.vertices, session.face.model.mean)
+
+
+def test_from_a_drawing_the_head_stays_and_drawn_wrinkles_are_kept(regressor):
+    session = Session(regressor)
+    session.draw(OVAL)
+    session.draw(WRINKLE)
+    before = session.face
+    session.mode = "followup"
+    assert session.face is before
+    assert [segment.points.shape for segment in session.sketch.segments if segment.name == "wrinkle"] == [
+        (60, 2),
+        (3, 2),
+    ]
+    assert session.undo() and len(session.sketch) == 2 and session.mode == "initial"
+
+
+def test_without_inference_a_session_begins_with_the_template(regressor):
+    session = Session(regressor, inference=False)
+    asked = regressor.asked
+    assert session.mode == "followup"
+    erase_feature(session, "nose")
+    session.draw(session.gap.erased.points + np.array([0.01, 0]))
+    session.draw(WRINKLE)
+    assert regressor.asked == asked and strayed(session) < NEAR
+    again = Session.loads(session.dumps(), regressor, inference=False)
+    assert same(again, snapshot(session))
+
+
+# -- erasing ----------------------------------------------------------------------------------------------------------
+
+
+def test_erasing_takes_one_whole_segment_of_a_feature(session):
+    erased = session.sketch.lines["left_brow"][0]
+    before = session.face
+    assert session.erase(session.sketch.lines["left_brow"][0])
+    assert len(session.sketch.lines["left_brow"]) == 1
+    assert not any(np.array_equal(erased, points) for points in session.sketch.lines["left_brow"])
+    assert session.gap.name == "left_brow" and len(session.gap.ends) == 1
+    assert session.face is before
+
+
+def test_erasing_where_there_is_nothing_does_nothing(session):
+    assert not session.erase([0.02, 0.02])
+    assert session.gap is None and not session.erase([[0.5, 0.2], [0.5, 0.21]])
+
+
+def test_erasing_elsewhere_waits(session):
+    erase_feature(session, "left_brow")
+    present = session.sketch
+    assert not session.erase(session.sketch.lines["nose"][0])
+    assert session.sketch is present
+    assert session.cancel() and session.gap is None
+    assert session.erase(session.sketch.lines["nose"][0])
+
+
+def test_more_of_the_same_line_can_be_erased(session):
+    for number in range(3):
+        erase_feature(session, "mouth_upper")
+        assert len(session.sketch.lines.get("mouth_upper", [])) == 2 - number
+    assert len(session.gap.ends) == 0
+    former = session.gap.erased.points
+    session.draw(former - np.array([0, 0.01], dtype=np.float32))
+    assert strayed(session) < NEAR
+
+
+def test_the_outline_is_erased_part_by_part(session):
+    outline = session.sketch.lines["silhouette"][0]
+    assert session.erase(outline[80:100])
+    assert len(session.gap.ends) == 2
+    assert session.erase(outline[140:150])
+    ends = session.gap.ends
+    assert session.undo() and session.undo() and session.gap is None
+    assert session.redo() and session.redo()
+    np.testing.assert_array_equal(session.gap.ends, ends)
+
+
+def test_a_wrinkle_is_erased_whole_and_changes_the_face_by_inference(session):
+    start = snapshot(session)
+    session.draw(WRINKLE)
+    assert session.sketch.lines["wrinkle"] and not np.array_equal(session.face.vertices[:, 2], start[0][:, 2])
+    assert strayed(session) < NEAR
+    assert session.erase([0.5, 0.24]) and session.gap is None
+    assert same(session, start)
+
+
+# -- drawing ----------------------------------------------------------------------------------------------------------
+
+
+def test_a_higher_brow_raises_the_brow(session):
+    brow = session.face.model.curves["left_brow"]
+    before = session.face.vertices[brow]
+    for _ in range(2):
+        erase_feature(session, "left_brow")
+    session.draw(session.gap.erased.points - np.array([0, 0.04], dtype=np.float32))
+    assert session.gap is None and strayed(session) < NEAR
+    rise = session.face.vertices[brow, 1] - before[:, 1]
+    assert rise == pytest.approx(10, abs=0.6)
+    assert {"inference", "deformation"} <= session.timings.keys()
+
+
+def test_the_lower_lip_follows_a_wider_upper_one(session):
+    lower = session.face.curve("mouth_lower")
+    for _ in range(3):
+        erase_feature(session, "mouth_upper")
+    middle = session.gap.erased.points.mean(axis=0)
+    session.draw((session.gap.erased.points - middle) * 1.3 + middle)
+    for end in (0, -1):
+        upper_end = session.sketch.lines["mouth_upper"][end][end]
+        assert (upper_end == session.sketch.lines["mouth_lower"][end][end]).all()
+    wider = np.ptp(session.face.curve("mouth_lower")[:, 0]) / np.ptp(lower[:, 0])
+    assert wider == pytest.approx(1.3, abs=0.03)
+    assert strayed(session) < NEAR
+
+
+def test_a_rough_stroke_with_a_tremor_is_met(session):
+    outline = session.sketch.lines["silhouette"][0]
+    session.erase(outline[120:180])
+    a, b = session.gap.ends
+    t = np.linspace(0.06, 0.97, 70)[:, None]
+    sag = np.sin(np.pi * t) * [0, 0.06]
+    tremor = np.random.default_rng(0).normal(0, 0.0008, (70, 2))
+    session.draw(b + t * (a - b) + sag + tremor)
+    assert session.gap is None and strayed(session) < NEAR
+
+
+def test_mirrored_drawing_redraws_both_sides(session):
+    points = erase_feature(session, "left_brow")
+    session.draw(points - np.array([0, 0.03], dtype=np.float32), mirror=True)
+    curves = [session.frame.project(session.face.curve(f"{side}_brow")) for side in ("left", "right")]
+    np.testing.assert_allclose(curves[0][:, 1], curves[1][:, 1], atol=0.003)
+    np.testing.assert_allclose(curves[0][:, 0] - 0.5, 0.5 - curves[1][:, 0], atol=0.003)
+
+
+@pytest.mark.parametrize(
+    "stroke", [[[0.5, 0.5]], 0.02 * OVAL + [0.6, 0.4], np.tile(OVAL, (10, 1)), [[0.9, 0.95], [0.95, 0.9]]]
+)
+def test_a_refused_stroke_keeps_the_drawing_and_the_gap(session, stroke):
+    erase_feature(session, "left_brow")
+    before = session.sketch, session.gap, session.events
+    with pytest.raises(ValueError, match="gap"):
+        session.draw(stroke)
+    assert (session.sketch, session.gap, session.events) == before
+
+
+def test_another_mode_gives_back_what_waits_and_keeps_the_edits(session):
+    points = erase_feature(session, "left_brow")
+    session.draw(points - np.array([0, 0.03], dtype=np.float32))
+    edited = snapshot(session)
+    erase_feature(session, "nose")
+    session.mode = "initial"
+    assert session.gap is None and same(session, edited)
+    session.mode = "followup"
+    assert same(session, edited)
+
+
+def test_lines_that_initial_mode_leaves_alone_stay_as_they_were_drawn(session):
+    points = erase_feature(session, "left_brow")
+    session.draw(points - np.array([0, 0.03], dtype=np.float32))
+    raised = session.sketch.lines["left_brow"]
+    session.mode = "initial"
+    session.erase(session.sketch.lines["nose"][1], radius=0.01)
+    session.mode = "followup"
+    assert all(np.array_equal(a, b) for a, b in zip(raised, session.sketch.lines["left_brow"], strict=True))
+    assert all(isinstance(segment, Piece) for segment in session.sketch.segments)
+    assert strayed(session) < NEAR
+
+
+# -- side views -------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("side", ["left", "right"])
+def test_the_profile_is_dragged_to_a_stroke(session, side):
+    forward = np.array([-0.03 if side == "left" else 0.03, 0.0])
+    line = session.profile(side)
+    part = slice(45, 75)
+    front = session.frame.project(session.face.vertices)
+    bump = np.sin(np.linspace(0, np.pi, 30))[:, None]
+    session.draw(line[part] + forward * bump, view=side)
+    moved = session.profile(side) - line
+    assert np.abs(moved[58:62, 0] - forward[0]).max() < 0.006
+    assert np.abs(moved[:20]).max() < 0.002
+    across = session.frame.project(session.face.vertices)[:, 0] - front[:, 0]
+    assert np.abs(across).max() < NEAR and strayed(session) < NEAR
+    assert session.undo() and np.array_equal(session.profile(side), line)
+
+
+def test_a_side_stroke_far_from_the_profile_is_refused(session):
+    with pytest.raises(ValueError, match="not near the profile"):
+        session.draw([[0.9, 0.1], [0.9, 0.3]], view="left")
+    session.mode = "initial"
+    with pytest.raises(ValueError, match="follow-up mode"):
+        session.draw(WRINKLE, view="left")
+
+
+# -- undoing ----------------------------------------------------------------------------------------------------------
+
+coordinates = st.floats(0.05, 0.95)
+strokes = st.lists(st.tuples(coordinates, coordinates).map(list), min_size=1, max_size=6)
+edits = st.lists(
+    st.one_of(
+        st.tuples(st.just("erase"), strokes),
+        st.tuples(st.just("redraw"), st.sampled_from(LINES), st.floats(-0.04, 0.04), st.floats(-0.04, 0.04)),
+        st.tuples(st.just("draw"), strokes),
+        st.tuples(st.sampled_from(["cancel", "undo", "redo"])),
+    ),
+    max_size=8,
+)
+
+
+def act(session, action, *arguments):
+    if action == "redraw" and session.gap is None:
+        name, *shift = arguments
+        points = erase_feature(session, name) if name != "silhouette" else session.sketch.lines[name][0][100:140]
+        if name == "silhouette":
+            session.erase(points)
+        action, arguments = "draw", [points + np.array(shift, dtype=np.float32)]
+    if action != "redraw":
+        getattr(session, action)(*arguments)
+
+
+@settings(max_examples=12, deadline=None, suppress_health_check=list(HealthCheck))
+@given(edits)
+def test_any_edits_keep_the_topology_and_undo_to_the_last_bit(regressor, edits):
+    session = Session(regressor)
+    session.start_from_template()
+    start = snapshot(session)
+    for edit in edits:
+        try:
+            act(session, *edit)
+        except ValueError:
+            continue
+        if session.mode != "followup":
+            session.redo()
+        if session.gap is None:
+            lines = session.sketch.lines
+            assert set(LINES) <= set(lines) and (lines["silhouette"][0][0] == lines["silhouette"][0][-1]).all()
+            for part in ("left_eye", "right_eye", "mouth"):
+                for end in (0, -1):
+                    assert (lines[f"{part}_upper"][end][end] == lines[f"{part}_lower"][end][end]).all()
+        assert np.isfinite(session.face.vertices).all() and np.abs(session.face.vertices).max() < 400
+    again = Session.loads(session.dumps(), regressor)
+    assert same(again, snapshot(session))
+    while session.can_undo and session.undo():
+        if session.mode == "followup":
+            last = snapshot(session)
+    if edits and session.events:
+        session.redo()
+        last = snapshot(session)
+        assert np.array_equal(last[0], start[0]) and last[1] == start[1]
