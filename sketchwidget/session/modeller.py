@@ -72,6 +72,11 @@ class Modeller:
         self._heads: deque[tuple[State, Modelled]] = deque(maxlen=_KEPT)
 
     @property
+    def given(self) -> FaceRegressor | None:
+        """The regressor, unless it was not needed yet."""
+        return self._regressor
+
+    @property
     def regressor(self) -> FaceRegressor:
         """What infers the heads; the shipped one is loaded when it is first asked for."""
         if self._regressor is None:

@@ -200,6 +200,10 @@ class Session(HasTraits):
         session._follow(started)
         return session
 
+    def another(self, text: str) -> Self:
+        """Replay a session from its text as `loads` does, with the network and the model of this one."""
+        return type(self).loads(text, self.regressor if self.inference else self._modeller.given, self.inference)
+
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write the session to a file; a former file stays as it was if that fails."""
         textfile.write(path, self.dumps())

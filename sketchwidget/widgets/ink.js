@@ -2,7 +2,8 @@
  *
  * Model   canvas: "IPY_MODEL_<id>" of the MultiCanvas; tool: 0 pen, 1 eraser; mirror; colour; line_width and radius in canvas
  *         units (the canvas is the unit square, y down); invitation: words shown on the empty pad; live: whether the pen's
- *         stroke is sent while it is drawn.
+ *         stroke is sent while it is drawn; pieces: polylines [x, y, x, y, …] of which the eraser takes the nearest one whole:
+ *         it is marked while the eraser hovers over it.
  * Sends   {type: "ready"} when the lines must be drawn: a view is shown; {type: "cancelled"} when a stroke was, and what
  *         it rubbed out or gave the head so far must go;
  *         {type: "stroke", stroke: id, tool, mirror} with one buffer: Float32 (n, 4) x, y, pressure, milliseconds.
@@ -47,6 +48,27 @@ function onPad(points) {
   return kept;
 }
 
+/** Squared distance of a point from the edge that ends at number `i` of a polyline [x, y, x, y, …]. */
+function toEdge(x, y, line, i) {
+  const [ax, ay, bx, by] = line.slice(2 * i - 2, 2 * i + 2);
+  const length = (bx - ax) ** 2 + (by - ay) ** 2;
+  const t = length ? clamp(((x - ax) * (bx - ax) + (y - ay) * (by - ay)) / length) : 0;
+  return (ax + t * (bx - ax) - x) ** 2 + (ay + t * (by - ay) - y) ** 2;
+}
+
+/** The polyline that is nearest to a point, none if all are further than a radius. */
+function nearest(pieces, x, y, radius) {
+  let found = null;
+  let least = radius ** 2;
+  for (const line of pieces) {
+    for (let i = 1; 2 * i < line.length; i += 1) {
+      const away = toEdge(x, y, line, i);
+      if (away <= least) [found, least] = [line, away];
+    }
+  }
+  return found;
+}
+
 function trace(ctx, points, size) {
   ctx.beginPath();
   ctx.moveTo(points[0][0] * size, points[0][1] * size);
@@ -65,13 +87,17 @@ async function render({ model, el }) {
   const pad = document.createElement("div");
   const words = document.createElement("div");
   const ring = document.createElement("div");
+  const taken = document.createElementNS("http://www.w3.org/2000/svg", "svg");
+  taken.setAttribute("class", "sketchwidget-taken");
+  taken.setAttribute("viewBox", "0 0 1 1");
+  taken.append(document.createElementNS("http://www.w3.org/2000/svg", "polyline"));
   pad.className = "sketchwidget-pad";
   pad.tabIndex = 0;
   pad.setAttribute("role", "img");
   pad.setAttribute("aria-label", "Drawing pad");
   words.className = "sketchwidget-invitation";
   ring.className = "sketchwidget-ring";
-  pad.append(view.el, words, ring);
+  pad.append(view.el, words, taken, ring);
   el.classList.add("sketchwidget-square");
   el.append(pad);
 
@@ -159,7 +185,17 @@ async function render({ model, el }) {
 
   function moveRing(event) {
     const box = pad.getBoundingClientRect();
-    ring.style.transform = `translate(${event.clientX - box.left - pad.clientLeft}px, ${event.clientY - box.top - pad.clientTop}px) translate(-50%, -50%)`;
+    const x = event.clientX - box.left - pad.clientLeft;
+    const y = event.clientY - box.top - pad.clientTop;
+    ring.style.transform = `translate(${x}px, ${y}px) translate(-50%, -50%)`;
+    mark(x / pad.clientWidth, y / pad.clientHeight);
+  }
+
+  /** Marks what the eraser would take at a point. */
+  function mark(x, y) {
+    const erases = model.get("tool") === 1 && !stroke;
+    const line = erases ? nearest(model.get("pieces"), x, y, model.get("radius")) : null;
+    taken.firstChild.setAttribute("points", line ? line.join(" ") : "");
   }
 
   function down(event) {
@@ -245,6 +281,7 @@ async function render({ model, el }) {
   }
 
   function showTool() {
+    mark(-1, -1);
     pad.classList.toggle("sketchwidget-erasing", model.get("tool") === 1);
     pad.classList.toggle("sketchwidget-mirrored", model.get("mirror"));
     ring.style.width = ring.style.height = `${200 * model.get("radius")}%`;
@@ -259,7 +296,7 @@ async function render({ model, el }) {
   pad.addEventListener("pointercancel", cancel);
   model.on("msg:custom", answer);
   model.on("change:invitation", showWords);
-  model.on("change:tool change:mirror change:radius", showTool);
+  model.on("change:tool change:mirror change:radius change:pieces", showTool);
   window.addEventListener("resize", fit);
   const sizes = new ResizeObserver(fit);
   sizes.observe(pad);
@@ -272,7 +309,7 @@ async function render({ model, el }) {
     window.removeEventListener("resize", fit);
     model.off("msg:custom", answer);
     model.off("change:invitation", showWords);
-    model.off("change:tool change:mirror change:radius", showTool);
+    model.off("change:tool change:mirror change:radius change:pieces", showTool);
     view.remove();
   };
 }

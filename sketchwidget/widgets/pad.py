@@ -8,12 +8,15 @@ from collections.abc import Callable
 import numpy as np
 from ipycanvas import Canvas, MultiCanvas, hold_canvas
 
-from ..sketch import Sketch
+from ..sketch import SILHOUETTE, Sketch, resample
+from ..sketch.gap import Gap
 from ..sketch.names import COLOURS, kind
 from .ink import Ink
 
 LINE_WIDTH = 0.005  # canvas units: 2.4 pixels on a pad of 480
 GHOST_COLOUR = "#b0d4cf"  # opaque, as its lines overlap where they meet
+OPEN_END_COLOUR, OPEN_END_RADIUS = "#0d8377", 0.009  # the Studio's accent; canvas units
+PIECE_POINTS = 24  # of what the eraser takes whole, when it is marked
 START_SIZE = 256  # pixels, until a page says how many it shows
 INVITATION = "Draw the outline of a face"
 
@@ -41,15 +44,25 @@ class Pad:
         self.widget = Ink(canvas=self.canvas, colour=COLOURS["unnamed"], line_width=LINE_WIDTH, invitation=invitation)
         self._sketch = Sketch(())
         self._ghost: Sketch | None = None
+        self._gap: Gap | None = None
         self.canvas.on_client_ready(self._draw)
         self.widget.on_ready(self._draw)
         self.widget.on_cancel(self._draw)
         self.canvas.observe(self._resize, "width")
 
-    def show(self, sketch: Sketch, ghost: Sketch | None = None) -> None:
-        """Show a sketch and, faintly under it, another one."""
-        self._sketch, self._ghost = sketch, ghost
+    def show(self, sketch: Sketch, ghost: Sketch | None = None, gap: Gap | None = None, by_piece: bool = False) -> None:
+        """Show a sketch and, faintly under it, another one.
+
+        Of a gap, the open ends are marked, and the erased line is faint. If the eraser takes all lines but the
+        silhouette by the piece, it marks what it would take: while there is a gap, of the same line only.
+        """
+        self._sketch, self._ghost, self._gap = sketch, ghost, gap
         self.widget.invitation = "" if len(sketch) or ghost is not None else self.invitation
+        self.widget.pieces = [
+            np.round(resample(segment.points, PIECE_POINTS).astype(float), 4).ravel().tolist()
+            for segment in sketch.segments
+            if by_piece and segment.name != SILHOUETTE and (gap is None or segment.name == gap.name)
+        ]
         self._draw()
 
     def _resize(self, _: object) -> None:
@@ -60,11 +73,22 @@ class Pad:
 
     def _draw(self) -> None:
         size = self.canvas.width
-        ghosts = {GHOST_COLOUR: _lines(self._ghost, size)} if self._ghost is not None else {}
+        ghosts = {GHOST_COLOUR: [] if self._ghost is None else _lines(self._ghost, size)}
+        if self._gap is not None:
+            ghosts[GHOST_COLOUR].append(self._gap.erased.points * np.float32(size))
         inks = defaultdict(list)
         for segment in self._sketch.segments:
             inks[COLOURS[kind(segment.name)]].append(segment.points * np.float32(size))
-        _in_one_message(lambda: (_stroke(self.canvas[0], ghosts, size), _stroke(self.canvas[1], inks, size)))
+        ends = () if self._gap is None else self._gap.ends
+
+        def draw() -> None:
+            _stroke(self.canvas[0], ghosts, size)
+            _stroke(self.canvas[1], inks, size)
+            self.canvas[1].fill_style = OPEN_END_COLOUR
+            for x, y in ends:
+                self.canvas[1].fill_circle(float(x) * size, float(y) * size, OPEN_END_RADIUS * size)
+
+        _in_one_message(draw)
 
 
 def _lines(sketch: Sketch, size: int) -> list[np.ndarray]:

@@ -8,6 +8,8 @@ from contextlib import contextmanager
 from ipywidgets import HBox, Label
 
 from ..sketch import SILHOUETTE, Sketch
+from ..sketch.gap import Gap
+from .commands import COMMANDS
 
 # What a face is drawn with, as people say it, and the beginnings of the line names that make it up.
 PARTS = {"eyes": "eye", "brows": "brow", "nose": "nose", "mouth": "mouth"}
@@ -52,11 +54,18 @@ class Status(HBox):
     def show_figures(self, mode: str, timings: Mapping[str, float]) -> None:
         """Show the mode and how long its steps took, in milliseconds."""
         figures = [f"{name} {timings[name]:.0f} ms" for name in SHOWN_TIMINGS if name in timings]
-        self._figures.value = " · ".join([mode.capitalize(), *figures])
+        self._figures.value = " · ".join([COMMANDS[mode].label if mode in COMMANDS else mode.capitalize(), *figures])
 
 
-def expected_next(sketch: Sketch) -> str:
-    """What is still to be drawn, as a sentence: from the names that the lines of the sketch were given."""
+def expected_next(sketch: Sketch, mode: str = "initial", gap: Gap | None = None) -> str:
+    """What to do next, as a sentence: what is still to be drawn by the names that lines were given, or a line anew."""
+    if gap is not None:
+        where = (
+            "from one marked end to the other" if len(gap.ends) == 2 else "from the marked end" if len(gap.ends) else ""
+        )
+        return f"Now draw the {said(gap.name)} anew {where}".rstrip() + ", or put it back with Escape."
+    if mode == "followup":
+        return "Erase a piece of a line and draw it anew; other strokes are wrinkles."
     if not len(sketch):
         return "Draw the outline of a face; the head follows every stroke."
     names = {segment.name for segment in sketch.segments}
@@ -66,6 +75,11 @@ def expected_next(sketch: Sketch) -> str:
         return "Redraw any line, or turn the head with a drag."
     *most, last = missing
     return f"Still to draw: {', '.join(most)}{' and ' if most else ''}{last}, in any order."
+
+
+def said(name: str) -> str:
+    """A line's name as people say it; left and right are those of the head."""
+    return "outline" if name == SILHOUETTE else name.replace("_", " ")
 
 
 def sentence(error: BaseException) -> str:

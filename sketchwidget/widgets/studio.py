@@ -8,18 +8,20 @@ from typing import Any
 
 import numpy as np
 import traitlets
-from ipywidgets import Box, Label, VBox, jslink
+from ipywidgets import Box, VBox, jslink
 
 from ..face import Face, FaceModel
 from ..session import Session
+from ..sketch import SILHOUETTE, Segment, Sketch
 from . import toolbar
 from .download import Downloads
 from .head_view import HeadView
 from .keyboard import Keyboard
 from .pad import Pad
-from .status import Status, expected_next
+from .status import Status, expected_next, said
 
 TOOLS = ("pen", "eraser")
+MODES = ("initial", "followup")
 VIEWS = ("front", "left", "right", "three-quarter")
 EXPORTS = {"obj": "model/obj", "glb": "model/gltf-binary"}
 SESSION_NAME, SESSION_TYPE = "drawing.jsonl", "application/jsonl"
@@ -50,7 +52,8 @@ class Studio(VBox):
         self._head = HeadView(self._resting_face)
         self._status = Status()
         self._downloads = Downloads()
-        self._shown: tuple[Any, ...] = (None,) * 4  # what of the session is on show
+        self._side = "front"  # the view that the pad shows: in follow-up sketching also the profile's
+        self._shown: tuple[Any, ...] = (None,) * 5  # what of the session is on show
         self._loaded: tuple[Session, Session, int] | None = None  # former, loaded, and the latter's number of events
         super().__init__()
         self.children = self._layout()
@@ -68,10 +71,12 @@ class Studio(VBox):
     # -- building ------------------------------------------------------------------------------------------------------
 
     def _layout(self) -> list[Any]:
+        self._mode = toolbar.choice(*MODES)
         self._tools = toolbar.choice(*TOOLS)
         self._mirror, self._ghost, self._live = (toolbar.toggle(name) for name in ("mirror", "ghost", "live"))
         self._live.value = True
         self._undo, self._redo, self._clear = (toolbar.button(name) for name in ("undo", "redo", "clear"))
+        self._cancel, template = toolbar.button("cancel"), toolbar.button("template")
         views = [toolbar.button(name) for name in VIEWS]
         save, load = toolbar.button("save"), toolbar.picker("load", ".jsonl,.json")
         exports = [toolbar.button(name) for name in EXPORTS]
@@ -84,23 +89,24 @@ class Studio(VBox):
         self._undo.on_click(lambda _: self._on_undo())
         self._redo.on_click(lambda _: self._on_redo())
         self._clear.on_click(lambda _: self._on_clear())
+        self._cancel.on_click(lambda _: self._on_cancel())
+        template.on_click(lambda _: self._on_template())
+        self._mode.observe(self._on_mode, "value")
         for name, button in zip(VIEWS, views, strict=True):
-            button.on_click(lambda _, name=name: self._head.look(name))
+            button.on_click(lambda _, name=name: self._on_view(name))
         save.on_click(lambda _: self._on_save())
         load.observe(self._on_load, "value")
         for name, button in zip(EXPORTS, exports, strict=True):
             button.on_click(lambda _, name=name: self._on_export(name))
 
-        self._mode = Label()
-        self._mode.add_class("sketchwidget-mode")
-        title = _classed(Box([self._mode, toolbar.bar((save, load), tuple(exports))]), "sketchwidget-title")
-        edits = (self._undo, self._redo, self._clear)
+        title = _classed(Box([self._mode, toolbar.bar((template, save, load), tuple(exports))]), "sketchwidget-title")
+        edits = (self._undo, self._redo, self._cancel, self._clear)
         pad_bar = toolbar.bar((self._tools,), edits, (self._mirror, self._ghost, self._live))
         drawing = _classed(VBox([pad_bar, self._pad.widget]), "sketchwidget-panel")
         head_bar = _classed(toolbar.bar(tuple(views)), "sketchwidget-views")
         head = _classed(VBox([head_bar, self._head.widget]), "sketchwidget-panel")
         desk = _classed(Box([drawing, head]), "sketchwidget-desk")
-        return [title, desk, self._status, self._downloads, Keyboard(bindings=toolbar.bindings(TOOLS))]
+        return [title, desk, self._status, self._downloads, Keyboard(bindings=toolbar.bindings(TOOLS, MODES))]
 
     # -- the session, shown --------------------------------------------------------------------------------------------
 
@@ -110,12 +116,12 @@ class Studio(VBox):
             change["old"].unobserve(self._on_change)
         self.session.observe(self._on_change)
         self._show_all()
-        self._status.say(expected_next(self.session.sketch))
+        self._status.say(self._expected)
 
     def _on_change(self, change: dict[str, Any]) -> None:
         # There is one call a trait, but the session sets all of them before it tells of any: the first shows the whole.
         session = self.session
-        state = (session.sketch, self._face, session.frame, session.timings)
+        state = (session.sketch, self._face, session.frame, session.timings, session.gap)
         if any(new is not old for new, old in zip(state, self._shown, strict=True)):
             self._shown = state
             with self._status.reporting("The Studio could not show the change"):
@@ -123,20 +129,33 @@ class Studio(VBox):
 
     def _show_all(self) -> None:
         session = self.session
+        if session.mode != "followup":
+            self._side = "front"
         self._show_head()
         self._show_drawing()
         toolbar.set_useful(self._undo, session.can_undo or self._just_loaded)
         toolbar.set_useful(self._redo, session.can_redo)
         toolbar.set_useful(self._clear, bool(len(session.sketch)))
-        self._mode.value = session.mode.capitalize()
+        toolbar.set_useful(self._cancel, session.gap is not None)
+        self._mode.value = session.mode if session.mode in MODES else None
         self._status.show_figures(session.mode, session.timings)
 
     def _show_head(self) -> None:
         self._head.show(self._face, self.session.frame)
 
     def _show_drawing(self) -> None:
-        ghost = self._face.sketch(wrinkles=False, view=self.session.frame) if self._ghost.value else None
-        self._pad.show(self.session.sketch, ghost)
+        session = self.session
+        if self._side != "front":
+            self._pad.show(Sketch((Segment(SILHOUETTE, session.profile(self._side)),)))
+            return
+        ghost = self._face.sketch(wrinkles=False, view=session.frame) if self._ghost.value else None
+        self._pad.show(session.sketch, ghost, session.gap, by_piece=session.mode == "followup")
+
+    @property
+    def _expected(self) -> str:
+        if self._side != "front":
+            return "Draw beside the profile to drag it; see the head from the front to edit its lines."
+        return expected_next(self.session.sketch, self.session.mode, self.session.gap)
 
     @property
     def _face(self) -> Face:
@@ -154,18 +173,29 @@ class Studio(VBox):
             self._status.say("The network is waking up; the head follows in a moment.")
         before = self.session.sketch
         with self._status.reporting("The head could not follow this stroke, the drawing is kept"):
-            if tool == "eraser":
-                erased = self.session.erase(points[:, :2], radius=self._pad.widget.radius)
-                happened = "Erased." if erased else "Nothing to erase there."
-            else:
-                self.session.draw(points[:, :2], mirror=mirror)
-                happened = "Both strokes drawn." if mirror else "Stroke drawn."
-            self._status.say(happened, expected_next(self.session.sketch))
+            self._status.say(self._did(points[:, :2], tool, mirror), self._expected)
         if self.session.sketch is before:  # the head may have followed what came to nothing
             self._show_head()
 
+    def _did(self, points: np.ndarray, tool: str, mirror: bool) -> str:
+        """Draw or erase; what happened, as a sentence."""
+        session, gap = self.session, self.session.gap
+        if tool == "eraser" and self._side != "front":
+            return "The profile is not erased."
+        if tool == "eraser":
+            if session.erase(points, radius=self._pad.widget.radius):
+                return "Erased."
+            return "Nothing to erase there." if gap is None else "What was erased comes first."
+        session.draw(points, view=self._side, mirror=mirror and self._side == "front")
+        if self._side != "front":
+            return "The profile follows."
+        if gap is not None:
+            return f"The {said(gap.name)} is drawn anew."
+        return "Both strokes drawn." if mirror else "Stroke drawn."
+
     def _on_partial(self, points: np.ndarray, mirror: bool) -> None:
-        if self._waking.is_alive():
+        # Half a replacement would be stretched over the whole gap.
+        if self._waking.is_alive() or self.session.gap is not None or self._side != "front":
             return
         with suppress(Exception):  # what is no stroke yet may become one; what fails is told when the stroke ends
             preview = self.session.preview(points[:, :2], mirror=mirror)
@@ -178,17 +208,44 @@ class Studio(VBox):
                 self._status.say("The drawing from before the loading is back.")
             else:
                 happened = "Undone." if self.session.undo() else "Nothing to undo."
-                self._status.say(happened, expected_next(self.session.sketch))
+                self._status.say(happened, self._expected)
 
     def _on_redo(self) -> None:
         with self._status.reporting("Nothing could be redone"):
             happened = "Redone." if self.session.redo() else "Nothing to redo."
-            self._status.say(happened, expected_next(self.session.sketch))
+            self._status.say(happened, self._expected)
 
     def _on_clear(self) -> None:
         with self._status.reporting("The drawing could not be cleared"):
             self.session.clear()
-            self._status.say("Cleared; undo brings the drawing back.", expected_next(self.session.sketch))
+            self._status.say("Cleared; undo brings the drawing back.", self._expected)
+
+    def _on_cancel(self) -> None:
+        with self._status.reporting("What was erased could not be put back"):
+            happened = "It is as it was." if self.session.cancel() else "Nothing waits to be drawn anew."
+            self._status.say(happened, self._expected)
+
+    def _on_template(self) -> None:
+        with self._status.reporting("The template could not be drawn"):
+            self.session.start_from_template()
+            self._status.say("These are the lines of the template; undo brings the drawing back.", self._expected)
+
+    def _on_mode(self, change: dict[str, Any]) -> None:
+        mode = change["new"]
+        if mode in (None, self.session.mode):
+            return
+        with self._status.reporting("The mode could not be changed"):
+            self.session.mode = mode
+            self._status.say(self._expected)
+        self._mode.value = self.session.mode
+
+    def _on_view(self, name: str) -> None:
+        self._head.look(name)
+        side = name if name in ("left", "right") and self.session.mode == "followup" else "front"
+        if side != self._side and self.session.gap is None:
+            self._side = side
+            self._show_drawing()
+            self._status.say(self._expected)
 
     def _on_export(self, suffix: str) -> None:
         with self._status.reporting("The head could not be exported"):
@@ -206,7 +263,7 @@ class Studio(VBox):
         file = change["new"][0]
         change["owner"].value = ()  # so that the same file can be picked again
         with self._status.reporting(f"{file.name} was not loaded, the drawing is kept"):
-            loaded = Session.loads(bytes(file.content).decode(), regressor=self.session.regressor)
+            loaded = self.session.another(bytes(file.content).decode())
             self._loaded = (self.session, loaded, len(loaded.events))
             self.session = loaded
             self._status.say(f"{file.name} is loaded; undo brings the former drawing back.")
@@ -223,7 +280,7 @@ class Studio(VBox):
 def _wake(session: Session) -> None:
     # What fails here fails again, and is told, when it is needed.
     with suppress(Exception):
-        _ = session.regressor
+        session.prepare()
 
 
 def _classed(widget: Any, name: str) -> Any:

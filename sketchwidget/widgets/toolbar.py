@@ -24,10 +24,10 @@ def toggle(name: str) -> ToggleButton:
 
 
 def choice(*names: str) -> ToggleButtons:
-    """Icons of which one is on; ``index`` says which. The browser switches them without asking the kernel."""
+    """Buttons of which one is on; ``value`` says which. The browser switches them without asking the kernel."""
     commands = [COMMANDS[name] for name in names]
     made = ToggleButtons(
-        options=list(names),
+        options=[(command.label or command.name, command.name) for command in commands],
         icons=[command.icon for command in commands],
         tooltips=[command.tooltip for command in commands],
     )

@@ -9,6 +9,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from sketchwidget.face import FaceModel
 from sketchwidget.geometry import View
 from sketchwidget.session import Session
 from sketchwidget.widgets import Studio, studio
@@ -157,7 +158,7 @@ def test_another_session_is_shown_and_the_former_let_go(shown, regressor, sent):
 
 
 def test_the_mode_is_named(shown):
-    assert shown._mode.value == "Initial" and shown._status._figures.value.startswith("Initial")
+    assert shown._mode.value == "initial" and shown._status._figures.value.startswith("Initial")
 
 
 def test_the_repr_is_short(shown):
@@ -171,7 +172,7 @@ def test_studio_does_not_import_torch_before_it_is_on_a_page():
 
 def test_a_change_is_drawn_once(shown, monkeypatch):
     drawings = []
-    monkeypatch.setattr(shown._pad, "show", lambda *drawing: drawings.append(drawing))
+    monkeypatch.setattr(shown._pad, "show", lambda *drawing, **options: drawings.append(drawing))
     shown.session.draw(OVAL)
     shown.session.undo()
     assert len(drawings) == 2
@@ -207,3 +208,79 @@ def test_what_is_no_stroke_yet_says_nothing(shown):
     said = shown._status.message
     partial(shown, [(np.nan, 0.5), (0.6, 0.5)])
     assert shown._status.message == said
+
+
+def test_the_tabs_are_the_modes(shown):
+    shown._mode.value = "followup"
+    assert "could not be changed" in shown._status.message  # this regressor's faces have no lines
+    assert shown.session.mode == shown._mode.value == "initial"
+
+
+class TestFollowUp:
+    """On the shipped face model, without inference."""
+
+    @pytest.fixture(scope="class")
+    def model_only(self):
+        return SimpleNamespace(model=FaceModel.load())
+
+    @pytest.fixture
+    def shown(self, model_only):
+        return Studio(Session(model_only, inference=False))
+
+    def erase_brow(self, shown):
+        points = shown.session.sketch.lines["left_brow"][0]
+        stroke(shown, points=[points[3]], tool="eraser")
+        return points
+
+    def test_the_lines_of_the_template_are_shown(self, shown):
+        assert shown._mode.value == "followup" and "left_brow" in shown._pad._sketch.lines
+        assert shown._status.message.startswith("Erase a piece of a line")
+        assert shown._status._figures.value.startswith("Follow-up")
+
+    def test_an_erased_piece_waits_and_says_so(self, shown):
+        assert len(shown._pad.widget.pieces) == len(shown.session.sketch) - 1
+        self.erase_brow(shown)
+        assert shown._pad._gap is shown.session.gap is not None
+        assert shown._status.message.startswith("Erased. Now draw the left brow anew from the marked end")
+        assert len(shown._pad.widget.pieces) == len(shown.session.sketch.lines["left_brow"])
+        stroke(shown, points=[shown.session.sketch.lines["nose"][0][3]], tool="eraser")
+        assert shown._status.message.startswith("What was erased comes first.")
+        shown._cancel.click()
+        assert shown.session.gap is None and shown._status.message.startswith("It is as it was.")
+
+    def test_the_replacement_moves_the_head(self, shown, sent):
+        messages = sent(shown._head.widget)
+        points = self.erase_brow(shown)
+        partial(shown, points - 0.02)
+        assert messages == []
+        stroke(shown, points=points - np.array([0, 0.03]))
+        assert len(messages) == 1 and shown._status.message.startswith("The left brow is drawn anew.")
+
+    def test_a_stroke_that_closes_no_gap_is_a_sentence(self, shown):
+        self.erase_brow(shown)
+        stroke(shown, points=[(0.1, 0.1)])
+        assert "the drawing is kept: A dot closes no gap" in shown._status.message and shown.session.gap is not None
+
+    def test_in_a_side_view_the_profile_is_dragged(self, shown):
+        shown._on_view("left")
+        assert list(shown._pad._sketch.lines) == ["silhouette"]
+        before = shown.session.face
+        line = shown.session.profile("left")
+        stroke(shown, points=line[50:70] - np.array([0.02, 0]))
+        assert shown.session.face is not before and shown._status.message.startswith("The profile follows.")
+        shown._on_view("front")
+        assert "left_brow" in shown._pad._sketch.lines
+
+    def test_the_template_button_starts_anew(self, shown):
+        points = self.erase_brow(shown)
+        stroke(shown, points=points - np.array([0, 0.03]))
+        shown._on_template()
+        np.testing.assert_array_equal(shown.session.face.vertices, shown.session.face.model.mean)
+        shown._undo.click()
+        assert shown.session.face.vertices[:, 1].max() != 0 and not np.array_equal(
+            shown.session.face.vertices, shown.session.face.model.mean
+        )
+
+    def test_a_loaded_session_infers_as_the_former_one(self, shown):
+        load(shown, "drawing.jsonl", shown.session.dumps().encode())
+        assert shown.session.mode == "followup" and not shown.session.inference
