@@ -22,6 +22,8 @@ def main() -> None:
         ("mesh from its weights", f"{in_kernel['mesh']:.1f} ms"),
         ("sketch to face: a freehand face with ears, strokes named", f"{in_kernel['inference']:.1f} ms", "20 ms"),
         ("one change of a session (draw or undo)", f"{in_kernel['session']:.1f} ms"),
+        ("deformation by all curve handles", f"{in_kernel['deformation']:.1f} ms", "8 ms"),
+        ("a piece of a line redrawn in follow-up sketching", f"{in_kernel['followup']:.1f} ms"),
         ("pen-up to updated frame, median", f"{in_page['head']['median']:.0f} ms"),
         ("pen-up to updated frame, 95th percentile", f"{in_page['head']['p95']:.0f} ms", "150 ms"),
         ("pointer event to ink, median", f"{in_page['ink']['median']:.1f} ms"),

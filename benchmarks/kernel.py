@@ -41,6 +41,8 @@ def measure(repeat: int = 100) -> dict[str, Any]:
         "mesh": _median(lambda: regressor.model.vertices(identity[0], expression[0]), repeat),
         "inference": _median(lambda: regressor.infer(sketch), repeat),
         "session": _stroke(regressor, repeat),
+        "deformation": _deformation(regressor, repeat),
+        "followup": _redrawing(regressor, repeat),
         "memory": int(subprocess.check_output([sys.executable, "-c", _MEMORY])) / 1024,
     }
 
@@ -66,6 +68,28 @@ def _stroke(regressor: sw.FaceRegressor, repeat: int) -> float:
         session.undo()
 
     return _median(step, repeat // 2) / 2
+
+
+def _deformation(regressor: sw.FaceRegressor, repeat: int) -> float:
+    """All lines of a head dragged elsewhere."""
+    model = regressor.model
+    targets = {name: 1.1 * model.mean[path, :2] for name, path in model.curves.items() if not name.startswith("lip")}
+    return _median(lambda: model.handles(model.mean, targets), repeat)
+
+
+def _redrawing(regressor: sw.FaceRegressor, repeat: int) -> float:
+    """A whole `Session.draw` of a piece of a brow in follow-up sketching: inference and deformation."""
+    session = sw.Session(regressor)
+    session.start_from_template()
+    piece = session.sketch.lines["left_brow"][0]
+    session.erase(piece[len(piece) // 2], radius=0.005)
+    times = []
+    for _ in range(repeat // 2 + 5):
+        began = time.perf_counter()
+        session.draw(piece - np.float32([0, 0.02]))
+        times.append(time.perf_counter() - began)
+        session.undo()
+    return 1000 * statistics.median(times[5:])
 
 
 def _fresh(code: str, repeat: int = 7) -> float:

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from scipy.interpolate import CubicSpline
 from scipy.ndimage import gaussian_filter1d
+from scipy.spatial import KDTree
 
 from ..geometry.view import View
 from ..sketch import FEATURES, SILHOUETTE, WRINKLE, Piece, Segment, Sketch, arc_length, resample
@@ -15,7 +15,6 @@ from .wrinkles import LIPS, Wrinkles
 _PIECES = {"silhouette": 1, "brow": 2, "eye_upper": 3, "eye_lower": 3, "mouth_upper": 3, "mouth_lower": 3, "ear": 2}
 _PIECES |= {"nose": 3, "lip_upper": 2, "lip_lower": 2}
 _OUTLINE_POINTS = 180
-_OUTLINE_STEPS = 4  # from one handle point to the next
 _OUTLINE_SMOOTHING = 2.5  # points; the handle runs along vertices, a pen does not
 
 
@@ -51,19 +50,29 @@ def draw(template: Template, vertices: np.ndarray, view: View, wrinkles: Wrinkle
 def editable(template: Template, vertices: np.ndarray, view: View) -> Sketch:
     """The lines of a head (V, 3) in a view as pieces that know their handle points, to be edited (paper 3.2).
 
-    Other than in `draw`, the silhouette runs through its handle points: what is edited is where they go.
+    Other than in `draw`, smoothing does not shrink the silhouette: what is edited is where its handle points go.
     """
     lines = {name: view.project(vertices[path]) for name, path in template.curves.items()}
-    count = len(lines[SILHOUETTE])
-    around = np.append(lines[SILHOUETTE][:-1], lines[SILHOUETTE][:1], axis=0)
-    at = np.linspace(0.0, count - 1.0, _OUTLINE_STEPS * (count - 1) + 1)
-    smooth = CubicSpline(np.arange(count), around, bc_type="periodic")(at).astype(np.float32)
-    smooth[-1] = smooth[0]
-    segments = [Piece(SILHOUETTE, smooth, at)]
+    even = resample(lines[SILHOUETTE], _OUTLINE_POINTS)[:-1]
+    # Twice what smoothing gives, less what it gives of that: what is wider than a step of the mesh keeps its size.
+    once = gaussian_filter1d(even, _OUTLINE_SMOOTHING, axis=0, mode="wrap")
+    smooth = 2 * once - gaussian_filter1d(once, _OUTLINE_SMOOTHING, axis=0, mode="wrap")
+    smooth = np.concatenate([smooth, smooth[:1]])
+    at = _places(smooth, lines[SILHOUETTE])
+    segments: list[Segment] = [Piece(SILHOUETTE, smooth, at)]
     for name in FEATURES:
         places = np.arange(len(lines[name]))
         segments += [Piece(name, lines[name][part], part) for part in split_line(name, places)]
     return Sketch(tuple(segments))
+
+
+def _places(smooth: np.ndarray, handle: np.ndarray) -> np.ndarray:
+    """The place of each point of a closed line (n, 2) among the handle points (k, 2), each at its nearest point."""
+    dense = resample(smooth, 20 * len(smooth))
+    nearest = np.asarray(KDTree(dense).query(handle)[1]) / (len(dense) - 1)
+    nearest[0], nearest[-1] = 0.0, 1.0
+    share = arc_length(smooth)
+    return np.interp(share / share[-1], np.maximum.accumulate(nearest), np.arange(len(handle)))
 
 
 def split_line(name: str, points: np.ndarray) -> list[np.ndarray]:

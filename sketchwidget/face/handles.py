@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import cached_property
 from itertools import pairwise
 
 import igl
@@ -59,7 +58,18 @@ class CurveHandles:
         self._coarse = self._rest[: template.coarse_count]
         self._refine = template.subdivision[:, template.soft[0]]
         self._spread = self._refine @ _covered(template, self._coarse)
-        self._front = self._deformation(np.concatenate(list(self._paths.values())))
+        front = np.concatenate(list(self._paths.values()))
+        soft, faces = template.soft
+        self._deformation = HandleDeformation(
+            self._coarse[soft],
+            faces,
+            self._refine[np.concatenate([front, self.profile])],
+            _SOFTNESS,
+            _ANCHOR,
+            usual=np.arange(len(front) + len(self.profile)) < len(front),
+        )
+        away = np.linalg.norm(self._rest[self.profile][:, None] - self._rest[front], axis=2).min(axis=1)
+        self._height_given = away < _AT_A_LINE
         self._parts = _parts(template, rest)
 
     def __call__(
@@ -81,47 +91,35 @@ class CurveHandles:
         -------
         (V, 3) float32 array
         """
-        moves = np.full((sum(map(len, self._paths.values())), 2), np.nan)
-        start = 0
-        for name, path in self._paths.items():
-            if name in targets:
-                moves[start : start + len(path)] = targets[name] - vertices[path, :2]
-            start += len(path)
+        moves = self._moves(vertices, targets)
         moved = np.array(vertices, dtype=np.float32)
         if profile is None:
-            moved[:, :2] += self._spread @ self._front(moves)
+            moved[:, :2] += self._spread @ self._deformation(moves[:, :2])
         else:
-            moved += self._spread @ self._with_profile(moves, profile - vertices[self.profile][:, [2, 1]])
+            self._move_profile(moves, profile - vertices[self.profile][:, [2, 1]])
+            for axis in range(3):
+                moved[:, axis] += self._spread @ self._deformation(moves[:, [axis]])[:, 0]
         self._follow(vertices, moved)
         return moved
 
-    def _with_profile(self, moves: np.ndarray, profile: np.ndarray) -> np.ndarray:
-        """Displacements (s, 3) for those of the front view's handles (h, 2) and of the profile (p, 2) in z and y."""
-        count = len(moves)
-        wanted = np.full((count + len(profile), 3), np.nan)
-        wanted[:count, :2] = moves
-        wanted[count:, 1] = np.where(self._height_given, np.nan, profile[:, 1])
-        wanted[count:, 2] = profile[:, 0]
+    def _moves(self, vertices: np.ndarray, targets: Mapping[str, np.ndarray]) -> np.ndarray:
+        """Displacements (h, 3) of the handles in the front view, and none in depth of what the profile leaves alone."""
+        moves = np.full((sum(map(len, self._paths.values())) + len(self.profile), 3), np.nan)
         start = 0
         for name, path in self._paths.items():
+            rows = slice(start, start + len(path))
+            if name in targets:
+                moves[rows, :2] = targets[name] - vertices[path, :2]
             if any(part in name for part in _DEPTH_KEPT):
-                wanted[start : start + len(path), 2] = 0.0
+                moves[rows, 2] = 0.0
             start += len(path)
-        return np.concatenate([self._side(wanted[:, [axis]]) for axis in range(3)], axis=1)
+        return moves
 
-    @cached_property
-    def _side(self) -> HandleDeformation:
-        """With the profile as a further handle."""
-        return self._deformation(np.concatenate([*self._paths.values(), self.profile]))
-
-    @cached_property
-    def _height_given(self) -> np.ndarray:
-        lines = self._rest[np.concatenate(list(self._paths.values()))]
-        return np.linalg.norm(self._rest[self.profile][:, None] - lines[None], axis=2).min(axis=1) < _AT_A_LINE
-
-    def _deformation(self, handles: np.ndarray) -> HandleDeformation:
-        soft, faces = self._template.soft
-        return HandleDeformation(self._coarse[soft], faces, self._refine[handles], _SOFTNESS, _ANCHOR)
+    def _move_profile(self, moves: np.ndarray, profile: np.ndarray) -> None:
+        """Displacements (p, 2) of the profile in z and y, entered where no line of the front view gives the height."""
+        rows = slice(len(moves) - len(profile), None)
+        moves[rows, 1] = np.where(self._height_given, np.nan, profile[:, 1])
+        moves[rows, 2] = profile[:, 0]
 
     def _follow(self, vertices: np.ndarray, moved: np.ndarray) -> None:
         """Parts of their own go where what they belong to went."""

@@ -28,6 +28,8 @@ class HandleDeformation:
         Of the handles: 0 would meet the targets exactly, and every tremor in them.
     anchor : float
         Of the surface to where it was, in 1 / unit^4: parts further from all handles than about its fourth root stay.
+    usual : (h,) bool array, optional
+        The handles that are given most often, all by default: for them the solution is one dense product.
 
     Raises
     ------
@@ -36,7 +38,13 @@ class HandleDeformation:
     """
 
     def __init__(
-        self, rest: np.ndarray, faces: np.ndarray, handles: sparse.csr_matrix, softness: float, anchor: float
+        self,
+        rest: np.ndarray,
+        faces: np.ndarray,
+        handles: sparse.csr_matrix,
+        softness: float,
+        anchor: float,
+        usual: np.ndarray | None = None,
     ) -> None:
         if handles.shape[1] != len(rest):
             raise ValueError(f"handles of {len(rest)} vertices are a matrix (h, {len(rest)}); given {handles.shape}")
@@ -51,17 +59,19 @@ class HandleDeformation:
         self._energy = splu(energy.tocsc(), permc_spec="MMD_AT_PLUS_A", options={"SymmetricMode": True})
         self._response = self._energy.solve(self._handles.T.toarray())  # Q^-1 C'
         self._gram = self._handles @ self._response + softness * np.eye(handles.shape[0])
-        self._all = (self._response @ np.linalg.inv(self._gram)).astype(np.float32)
+        self._usual = np.ones(handles.shape[0], dtype=bool) if usual is None else np.asarray(usual)
+        gram = self._gram[np.ix_(self._usual, self._usual)]
+        self._product = (self._response[:, self._usual] @ np.linalg.inv(gram)).astype(np.float32)
 
     def __call__(self, moves: np.ndarray) -> np.ndarray:
         """Displacements (n, k) of the vertices for displacements (h, k) of the handles.
 
-        A handle whose row is not finite is free. With all of them given, this is one dense product.
+        A handle whose row is not finite is free.
         """
         moves = np.asarray(moves)
         known = np.isfinite(moves).all(axis=1)
-        if known.all():
-            return self._all @ moves.astype(np.float32)
+        if (known == self._usual).all():
+            return self._product @ moves[known].astype(np.float32)
         if not known.any():
             return np.zeros((len(self._response), moves.shape[1]), dtype=np.float32)
         pull = cho_solve(cho_factor(self._gram[np.ix_(known, known)]), moves[known].astype(np.float64))

@@ -15,7 +15,7 @@ from sketchwidget.sketch import SILHOUETTE, UNNAMED, WRINKLE, Piece, Segment, Sk
 from sketchwidget.sketch.erase import first_touched
 from sketchwidget.sketch.gap import Gap, GapError, closed, feature_gap, fill, outline_gap
 from sketchwidget.sketch.partner import follow, partner_of
-from sketchwidget.sketch.piece import handle_points
+from sketchwidget.sketch.piece import handle_points, slid
 
 from . import profile
 from .events import Cancel, Clear, Draw, Erase, Event
@@ -26,6 +26,7 @@ if TYPE_CHECKING:
 
     from .modeller import Modelled, Modeller
 
+_LEEWAY = 0.5  # mm by which handle points of the silhouette may be off its line
 _SIDES = {"left": "right", "right": "left"}
 
 
@@ -61,31 +62,52 @@ class HandleTargets:
     Parameters
     ----------
     inferred, frame : View
-        Where the head below stands in the drawing, and where the edited one does: drawn larger, it is larger.
+        Where the head below stands in the drawing, and where the edited one does: drawn wider, it is wider; depth
+        stays.
     sketch : Sketch
         Its pieces tell where the handles of the lines go.
-    profile : (p, 2) array or None
-        As `Followup` has it.
+    followup : Followup
     """
 
     inferred: View
     frame: View
     sketch: Sketch
-    profile: np.ndarray | None = None
+    followup: Followup
 
     def on(self, head: Face) -> Face:
         """The head with its lines moved."""
         from sketchwidget.face import Face
 
-        scale = self.inferred.scale / self.frame.scale
-        shift = (self.inferred.centre - self.frame.centre) / self.frame.scale * [1, -1]
-        vertices = head.vertices * np.float32(scale) + np.append(shift, 0.0).astype(np.float32)
-        curves, targets = head.model.curves, {}
+        vertices = np.array(head.vertices)
+        placed = self.inferred.project(head.vertices)
+        vertices[:, :2] = self._in_head(placed)
+        model, drawn = head.model, self.followup.profile
+        targets = {}
         for name in LINES:
-            drawn = handle_points(pieces_of(self.sketch, name), len(curves[name]))
-            targets[name] = (drawn - self.frame.centre) / self.frame.scale * [1, -1]
-        drawn = None if self.profile is None else profile.in_head(self.profile, self.frame)
-        return Face(head.model, head.model.handles(vertices, targets, drawn))
+            path = model.curves[name]
+            targets[name] = self._in_head(self._targets(name, placed[path]))
+        return Face(
+            model, model.handles(vertices, targets, None if drawn is None else profile.in_head(drawn, self.frame))
+        )
+
+    def _in_head(self, points: np.ndarray) -> np.ndarray:
+        """Canvas points (n, 2) as x and y in millimetres."""
+        return (points - self.frame.centre) / self.frame.scale * [1, -1]
+
+    def _targets(self, name: str, placed: np.ndarray) -> np.ndarray:
+        """Where the handle points (k, 2) of a line, placed in the drawing, go on the canvas."""
+        pieces = pieces_of(self.sketch, name)
+        drawn = handle_points(pieces, len(placed))
+        if name != SILHOUETTE or not pieces or not pieces[0].is_closed:
+            return drawn
+        if self.frame is not self.followup.start.frame:
+            return slid(pieces[0], placed, np.zeros(len(placed), dtype=bool))
+        # Drawn smoother than the mesh has it: what was not edited stays as near to its place as it may.
+        former = handle_points(pieces_of(self.followup.lines, name), len(placed))
+        off = self.frame.project(self.followup.start.layers.drawn.curve(name)) - former
+        off *= np.minimum(1.0, _LEEWAY * self.frame.scale / np.maximum(np.linalg.norm(off, axis=1), 1e-9))[:, None]
+        same = (np.abs(drawn - former) < 1e-6).all(axis=1)
+        return np.where(same[:, None], former + off, slid(pieces[0], placed, same))
 
 
 def entered(state: State, modeller: Modeller) -> State:

@@ -137,7 +137,7 @@ class Modeller:
         """A head with its lines where they were drawn; without an edited silhouette it stands where it was inferred."""
         started = perf_counter()
         frame = followup.start.frame if SILHOUETTE in _edited(sketch) else inferred.frame
-        layers = replace(inferred.layers, targets=HandleTargets(inferred.frame, frame, sketch, followup.profile))
+        layers = replace(inferred.layers, targets=HandleTargets(inferred.frame, frame, sketch, followup))
         _ = layers.head
         timings = {**inferred.timings, "deformation": _milliseconds_since(started)}
         return Modelled(layers, frame, inferred.names, timings)

@@ -7,9 +7,15 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from scipy.spatial import KDTree
 
 from .names import SILHOUETTE
+from .polyline import arc_length, resample
 from .sketch import Segment
+
+_FAR = 0.06  # canvas units from a line at which handle points hardly tell their place on it
+_SLIDE = 0.1  # canvas units that they slide along it at most
+_DENSE = 2000
 
 
 @dataclass(frozen=True, eq=False)
@@ -90,3 +96,37 @@ def handle_points(pieces: Sequence[Piece], count: int) -> np.ndarray:
         for axis in range(2):
             found[on, axis] = np.interp(at[on], piece.at, piece.points[:, axis])
     return found
+
+
+def slid(outline: Piece, near: np.ndarray, held: np.ndarray) -> np.ndarray:
+    """Handle points of the closed silhouette, slid along it to where a head has them.
+
+    Arc length alone tells how the points of an erased line correspond to those of the drawn one; that of a long smooth
+    line says little about where on it they belong. A head that is near the drawn line already knows better.
+
+    Parameters
+    ----------
+    outline : Piece
+        As drawn, closed.
+    near : (k, 2) array
+        Handle points of a head, of which the last is the first.
+    held : (k,) bool array
+        Those that do not slide.
+
+    Returns
+    -------
+    (k, 2) float64 array
+    """
+    along = arc_length(outline.points)
+    length = along[-1]
+    at = outline.low + (np.arange(len(near) - 1) - outline.low) % (len(near) - 1)
+    place = np.interp(at, outline.at, along)
+    distance, index = KDTree(resample(outline.points, _DENSE)[:-1]).query(near[:-1])
+    slide = (np.asarray(index) * length / (_DENSE - 1) - place + length / 2) % length - length / 2
+    slide = np.clip(slide, -_SLIDE, _SLIDE) * np.exp(-((distance / _FAR) ** 2))
+    place = place + np.where(held[:-1], 0.0, slide)
+    order = np.argsort(at)
+    place[order] = np.maximum.accumulate(place[order])  # none overtakes another
+    place %= length
+    points = np.stack([np.interp(place, along, outline.points[:, axis]) for axis in range(2)], axis=1)
+    return np.concatenate([points, points[:1]])

@@ -79,6 +79,9 @@ def expected_next(sketch: Sketch, mode: str = "initial", gap: Gap | None = None)
 
 def said(name: str) -> str:
     """A line's name as people say it; left and right are those of the head."""
+    *part, last = name.split("_")
+    if last in ("upper", "lower"):
+        return f"{last} contour of the {' '.join(part)}"
     return "outline" if name == SILHOUETTE else name.replace("_", " ")
 
 

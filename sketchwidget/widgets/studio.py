@@ -99,7 +99,9 @@ class Studio(VBox):
         for name, button in zip(EXPORTS, exports, strict=True):
             button.on_click(lambda _, name=name: self._on_export(name))
 
-        title = _classed(Box([self._mode, toolbar.bar((template, save, load), tuple(exports))]), "sketchwidget-title")
+        title = _classed(
+            Box([toolbar.bar((self._mode,)), toolbar.bar((template, save, load), tuple(exports))]), "sketchwidget-title"
+        )
         edits = (self._undo, self._redo, self._cancel, self._clear)
         pad_bar = toolbar.bar((self._tools,), edits, (self._mirror, self._ghost, self._live))
         drawing = _classed(VBox([pad_bar, self._pad.widget]), "sketchwidget-panel")
@@ -154,7 +156,7 @@ class Studio(VBox):
     @property
     def _expected(self) -> str:
         if self._side != "front":
-            return "Draw beside the profile to drag it; see the head from the front to edit its lines."
+            return "Draw beside the profile to drag it."
         return expected_next(self.session.sketch, self.session.mode, self.session.gap)
 
     @property

@@ -95,7 +95,9 @@ class StudioPage:
         self.button(name).click()
 
     def is_on(self, name: str) -> bool:
-        if name in ("pen", "eraser"):
+        if name in ("initial", "followup"):
+            found = self.root.locator(f".sketchwidget-choice-initial button:nth-of-type({1 + (name == 'followup')})")
+        elif name in ("pen", "eraser"):
             found = self.root.locator(f".sketchwidget-choice-pen button:nth-of-type({1 + (name == 'eraser')})")
         else:
             found = self.button(name)
@@ -111,6 +113,7 @@ class StudioPage:
                 until(lambda name=name: not self.is_on(name))
         self.press("p")
         self.press("1")
+        self.press("i")
         if self.is_useful("clear"):
             self.click("clear")
         until(self.ink_pixels, lambda pixels: pixels == 0, "an empty pad")

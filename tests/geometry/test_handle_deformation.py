@@ -64,6 +64,15 @@ def test_free_handles_are_as_if_they_were_none(sheet):
     np.testing.assert_allclose(HandleDeformation(vertices, faces, handles, 0.1, 1e-3)(some), expected, atol=1e-4)
 
 
+def test_the_usual_handles_give_the_same_as_a_solution(sheet):
+    vertices, faces, handles = sheet
+    moves = np.random.default_rng(3).normal(size=(handles.shape[0], 2))
+    usual = np.arange(handles.shape[0]) % 2 == 0
+    moves[~usual] = np.nan
+    expected = HandleDeformation(vertices, faces, handles, 0.1, 1e-3)(moves)
+    np.testing.assert_allclose(HandleDeformation(*sheet, 0.1, 1e-3, usual)(moves), expected, atol=1e-4)
+
+
 def test_with_no_handle_given_nothing_moves(sheet):
     moves = np.full((sheet[2].shape[0], 2), np.nan)
     assert not HandleDeformation(*sheet, SOFT, 1e-6)(moves).any()

@@ -3,12 +3,12 @@ import json
 import numpy as np
 import pytest
 
-from sketchwidget.session import Clear, Draw, Erase, Mode, Redo, StartFromTemplate, Undo
+from sketchwidget.session import Cancel, Clear, Draw, Erase, Mode, Redo, StartFromTemplate, Undo
 from sketchwidget.session.events import event_from_json
 
 STROKE = [[0.123456789, 0.2], [1 / 3, 2 / 3]]
 EVENTS = [Draw(STROKE), Draw(STROKE, mirror=True), Erase([[0.5, 0.5]], 0.02), Clear(), Undo(), Redo()]
-EVENTS += [Mode("initial"), Mode("followup"), StartFromTemplate()]
+EVENTS += [Mode("initial"), Mode("followup"), StartFromTemplate(), Cancel()]
 
 
 def test_points_are_rounded_when_the_event_is_made():
@@ -61,8 +61,8 @@ def test_events_that_differ_are_not_equal():
         (lambda: Draw([]), "a stroke"),
         (lambda: Draw([[0, np.nan]]), "a stroke"),
         (lambda: Draw([[0, 9]]), "a stroke"),
-        (lambda: Draw(STROKE, view="left"), "in the view front; given 'left'"),
-        (lambda: Draw(STROKE, view=None), "in the view front; given None"),
+        (lambda: Draw(STROKE, view="top"), "in the view front or left or right; given 'top'"),
+        (lambda: Draw(STROKE, view=None), "in the view front or left or right; given None"),
         (lambda: Draw(STROKE, mirror="yes"), "mirror is true or false; given 'yes'"),
         (lambda: Erase([[0.5, 0.5]], 0), "radius"),
         (lambda: Erase([], 0.1), "a stroke"),
@@ -81,7 +81,7 @@ def test_a_bad_event_cannot_be_made(make, complaint):
         (None, "a JSON object"),
         ([], "a JSON object"),
         ({}, "given None"),
-        ({"event": "paint"}, "one of draw, erase, clear, undo, redo, mode, startfromtemplate; given 'paint'"),
+        ({"event": "paint"}, "one of draw, erase, clear, undo, redo, mode, startfromtemplate, cancel; given 'paint'"),
         ({"event": ["draw"]}, "one of"),
         ({"event": "undo", "times": 2}, "has the fields"),
         ({"event": "erase", "points": [[0, 0]]}, "has the fields"),

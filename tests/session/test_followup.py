@@ -80,7 +80,9 @@ def test_the_template_is_drawn_line_by_line(session):
     assert len(session.sketch.lines["silhouette"]) == 1 and len(session.sketch.lines["left_brow"]) > 1
     outline = session.sketch.lines["silhouette"][0]
     assert (outline[0] == outline[-1]).all()
-    assert strayed(session) < NEAR
+    assert (
+        strayed(session) < 3 * NEAR
+    )  # the silhouette is drawn smoother than the mesh has it, until something is edited
     np.testing.assert_array_equal(session.face.vertices, session.face.model.mean)
 
 
@@ -264,7 +266,8 @@ def test_the_profile_is_dragged_to_a_stroke(session, side):
     assert np.abs(moved[58:62, 0] - forward[0]).max() < 0.006
     assert np.abs(moved[:20]).max() < 0.002
     across = session.frame.project(session.face.vertices)[:, 0] - front[:, 0]
-    assert np.abs(across).max() < NEAR and strayed(session) < NEAR
+    # But for the smoother silhouette, nothing moves across.
+    assert np.abs(across).max() < 2.5 * NEAR and np.median(np.abs(across)) < 0.1 * NEAR and strayed(session) < NEAR
     assert session.undo() and np.array_equal(session.profile(side), line)
 
 

@@ -129,7 +129,7 @@ def test_timings_tell_the_steps_of_the_last_change(session):
 def test_a_bad_action_is_an_error_and_changes_nothing(session, act):
     session.draw(STROKE)
     before = snapshot(session)
-    with pytest.raises(ValueError, match=r"a stroke|radius|mirror"):
+    with pytest.raises(ValueError, match=r"a stroke|radius|mirror|the profile"):
         act(session)
     assert snapshot(session) == before
 

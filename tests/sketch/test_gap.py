@@ -9,7 +9,7 @@ from sketchwidget.sketch import Piece
 from sketchwidget.sketch.crossing import cross, without_loops
 from sketchwidget.sketch.gap import GapError, closed, feature_gap, fill, outline_gap
 from sketchwidget.sketch.partner import follow, partner_of
-from sketchwidget.sketch.piece import handle_points
+from sketchwidget.sketch.piece import handle_points, slid
 
 TURN = np.linspace(0, 2 * np.pi, 81)
 CIRCLE = np.stack([0.5 + 0.4 * np.sin(TURN), 0.5 - 0.4 * np.cos(TURN)], axis=1).astype(np.float32)
@@ -37,6 +37,17 @@ def test_handle_points_of_a_closed_line_wherever_it_begins():
     again = closed(kept, gap.erased)
     np.testing.assert_allclose(handle_points([again], 21), whole, atol=1e-5)
     assert again.is_closed and again.high - again.low == pytest.approx(20)
+
+
+def test_handle_points_slide_along_the_outline_to_where_a_head_has_them():
+    turn = np.linspace(0, 2 * np.pi, 21) + 0.1
+    head = np.stack([0.5 + 0.41 * np.sin(turn), 0.5 - 0.41 * np.cos(turn)], axis=1)
+    free = np.zeros(21, dtype=bool)
+    np.testing.assert_allclose(slid(OUTLINE, head, free), 0.5 + (head - 0.5) * 0.4 / 0.41, atol=2e-3)
+    held = np.arange(21) == 3
+    assert slid(OUTLINE, head, held)[3] == pytest.approx(CIRCLE[12], abs=1e-6)
+    far = head + 1.0
+    np.testing.assert_allclose(slid(OUTLINE, far, free), CIRCLE[::4], atol=1e-3)
 
 
 def test_an_inner_piece_has_two_open_ends_and_an_outer_one_has_one():
