@@ -19,6 +19,8 @@ Match = Callable[[np.ndarray, bool], tuple[np.ndarray, np.ndarray]]
 
 # Canvas units by which people misplace a feature as a whole, and by which its points miss the line that they mean.
 _MISPLACED, _MISDRAWN = 0.015, 0.01
+# Which points belong to each feature, (features, points): a feature is what may be drawn by one stroke.
+_MEMBERS = np.stack([np.isin(np.arange(sum(COUNTS.values())), at) for at in PLACES.values()]).astype(np.float64)
 _ERRORS = (0.2, 0.6)  # standard deviations by which the network misses identity and expression weights
 _PLACE_ERROR = 0.02  # of scale, and canvas units of place, by which the frames of drawing and head differ
 
@@ -100,7 +102,7 @@ class LineRefiner:
                 axis=1,
             )
             residual = np.concatenate([jacobian, (target - points).reshape(-1, 1)], axis=1)
-            whitened = _whitened(residual.reshape(len(points), 2, -1), weight).reshape(2 * len(points), -1)
+            whitened = _whitened(residual.reshape(len(points), -1), weight).reshape(len(residual), -1)
             jacobian, residual = whitened[:, :-1], whitened[:, -1]
             normal = jacobian.T @ jacobian + np.diag(self._prior)
             change += np.linalg.solve(normal, jacobian.T @ residual - self._prior * change)
@@ -114,22 +116,15 @@ class LineRefiner:
 
 def _unseen(weight: np.ndarray) -> np.ndarray:
     """Points (n,) bool of the features of which nothing is drawn."""
-    unseen = np.zeros(len(weight), dtype=bool)
-    for at in PLACES.values():
-        unseen[at] = not weight[at].any()
-    return unseen
+    return ~(_MEMBERS.T @ (_MEMBERS @ weight > 0)).astype(bool)
 
 
 def _whitened(rows: np.ndarray, weight: np.ndarray) -> np.ndarray:
-    """Rows (n, ...) of points whose errors are alike within a feature, as rows whose errors are independent and 1."""
-    whitened = np.sqrt(weight)[:, None, None] * rows / _MISDRAWN
-    for at in PLACES.values():
-        count = weight[at].sum()
-        if count > 0:
-            mean = np.tensordot(weight[at], rows[at], axes=1) / count
-            share = 1 - 1 / np.sqrt(1 + count * (_MISPLACED / _MISDRAWN) ** 2)
-            whitened[at] -= np.sqrt(weight[at])[:, None, None] * share * mean / _MISDRAWN
-    return whitened
+    """Rows (n, k) of points whose errors are alike within a feature, as rows whose errors are independent and 1."""
+    count = _MEMBERS @ weight
+    mean = (_MEMBERS * weight) @ rows / np.maximum(count, 1e-9)[:, None]
+    share = 1 - 1 / np.sqrt(1 + count * (_MISPLACED / _MISDRAWN) ** 2)
+    return np.sqrt(weight)[:, None] * (rows - (_MEMBERS.T * share) @ mean) / _MISDRAWN
 
 
 def _handle(model: FaceModel, name: str) -> sparse.csr_matrix:

@@ -85,9 +85,9 @@ def test_errors_of_a_feature_are_whitened_as_its_covariance_says():
     covariance = apart**2 * np.eye(len(at)) + together**2
     weight = np.zeros(sum(COUNTS.values()))
     weight[at] = 1.0
-    error = np.random.default_rng(0).normal(0, 0.01, (len(weight), 2, 1))
+    error = np.random.default_rng(0).normal(0, 0.01, (len(weight), 2))
     whitened = refinement._whitened(error, weight)
-    expected = sum(axis @ np.linalg.solve(covariance, axis) for axis in error[at, :, 0].T)
+    expected = sum(axis @ np.linalg.solve(covariance, axis) for axis in error[at].T)
     assert (whitened**2).sum() == pytest.approx(expected)
 
 
