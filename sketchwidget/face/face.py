@@ -98,11 +98,29 @@ class Face:
         """
         return draw(self.model.template, self.vertices, view or View(), self.model.wrinkles if wrinkles else None)
 
-    def picture(self, view: View | str = "front", size: int = 320) -> np.ndarray:
-        """A shaded picture (size, size, 3) uint8; a preset view is a little further away, to show the neck too."""
+    def picture(self, view: View | str = "front", size: int = 320, colors: np.ndarray | None = None) -> np.ndarray:
+        """A shaded picture (size, size, 3) uint8.
+
+        Parameters
+        ----------
+        view : View or str
+            A preset by its name is a little further away, to show the neck too.
+        size : int
+            Pixels a side.
+        colors : (V, 3) array, optional
+            Of the vertices, between 0 and 1, as of a map of errors; the head's own by default.
+
+        Raises
+        ------
+        ValueError
+            If there is not one colour for each vertex, or the size is not between 1 and 4,096.
+        """
         if isinstance(view, str):
             view = View(View.preset(view).rotation, 0.88 / CANVAS_MM, np.array([0.5, 0.47]))
-        return picture(self.vertices, self.faces, self.colors, view, size)
+        shown = self.colors if colors is None else np.asarray(colors)
+        if shown.shape != self.vertices.shape:
+            raise ValueError(f"this head takes colours {self.vertices.shape}; given an array of shape {shown.shape}")
+        return picture(self.vertices, self.faces, shown, view, size)
 
     def to_bytes(self, suffix: str) -> bytes:
         """The head as a file: "obj", "ply", "stl" or "glb" (whose unit is the metre, as its standard asks).

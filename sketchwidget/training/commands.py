@@ -86,14 +86,21 @@ def evaluate(
     work: Work = Path("runs"),
     faces: Annotated[int, typer.Option(min=1, help="Test faces of each split.")] = 1000,
 ) -> None:
-    """Measure how far inferred heads are from the true ones, beside the mean face and the best the model can hold."""
+    """Measure how far inferred heads are from the true ones, beside the mean face and the best the model can hold.
+
+    Beside the table go error maps (people left out, augmented drawings), and what wrinkle lines change.
+    """
+    from skimage.io import imsave
+
     from ..inference import FaceRegressor
-    from .evaluate import compare, methods_of
+    from .evaluate import compare, methods_of, with_and_without_wrinkles
+    from .manners import Manner
+    from .maps import error_maps, wrinkle_maps
     from .tables import accuracy_table
 
     _require_folder(out)
     pipeline = _pipeline(database, work)
-    methods = {}
+    methods, regressors = {}, []
     for name in network:
         regressor = FaceRegressor.load(name, pipeline.database.model)
         if regressor.database != pipeline.database.sum:
@@ -102,8 +109,14 @@ def evaluate(
         if found.keys() & methods.keys():
             raise ValueError(f"two networks have the name of {name}: their rows could not be told apart")
         methods |= found
+        regressors.append(regressor)
     splits = {name: compare(pipeline, methods, name, faces) for name in ("random", "identity")}
     out.write_text(accuracy_table(splits, faces, _command()))
+    maps = {"maps": error_maps(pipeline.database.model, splits["identity"][Manner.AUGMENTED])}
+    if "pixels" in regressors[0].sees:
+        maps["wrinkles"] = wrinkle_maps(with_and_without_wrinkles(pipeline, regressors[0], min(faces, 60)))
+    for name, picture in maps.items():
+        imsave(out.with_name(f"{out.stem.lower()}_{name}.png"), picture, check_contrast=False)
     typer.echo(out.read_text())
 
 

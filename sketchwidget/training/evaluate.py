@@ -10,16 +10,18 @@ import numpy as np
 from tqdm import tqdm
 
 from ..database.database import DatabaseFace
+from ..face import Face
 from ..face.model import FaceModel
-from ..face.template import PARTS as HEAD_PARTS
 from ..geometry.view import View
 from ..inference.matching import DrawnLines
 from ..inference.refinement import LineRefiner
 from ..inference.regressor import FaceRegressor
 from ..inference.shape_code import split_lines
+from ..sketch import Sketch
 from ..sketch.hand import PARTS, Hand
 from .examples import Variety, noisy_view
 from .manners import Drawn, Manner, draw
+from .maps import skin_of
 from .pipeline import Pipeline
 from .standard import standardisation
 
@@ -28,6 +30,7 @@ _PRIOR_ERRORS = (1.0, 1.0)  # of the morphable model's fit: the spread of the mo
 _FITTING_STEPS = 8
 
 Weights = tuple[np.ndarray, np.ndarray]
+Errors = dict[str, dict[str, np.ndarray]]  # mm at each vertex of the skin, by manner and by method
 Method = Callable[["TestSet"], Weights]
 
 
@@ -63,17 +66,17 @@ test_set.__test__ = False  # not one of pytest's
 
 
 def vertex_errors(faces: list[DatabaseFace], weights: Weights | None) -> np.ndarray:
-    """Mean distance (m,), in mm, of the skin's vertices from those that weights (m, p) and (m, q) give.
+    """Distance in mm of each vertex of the skin (s,) from that of weights (m, p) and (m, q), mean over faces.
 
-    Without weights, from those of the mean face.
+    Without weights, from that of the mean face.
     """
     model = faces[0].face.model
-    skin = model.template.fine_parts == HEAD_PARTS.index("skin")
-    errors = []
+    skin = skin_of(model)
+    total = np.zeros(int(skin.sum()))
     for number, face in enumerate(faces):
         found = model.mean if weights is None else model.vertices(weights[0][number], weights[1][number])
-        errors.append(np.linalg.norm(face.vertices[skin] - found[skin], axis=1).mean())
-    return np.array(errors)
+        total += np.linalg.norm(face.vertices[skin] - found[skin], axis=1)
+    return total / len(faces)
 
 
 def inferred(regressor: FaceRegressor, tests: TestSet, with_shape: bool) -> Weights:
@@ -134,8 +137,8 @@ def methods_of(name: str, regressor: FaceRegressor) -> dict[str, Method]:
     return methods
 
 
-def compare(pipeline: Pipeline, methods: Mapping[str, Method], split: str, count: int) -> dict[str, dict[str, float]]:
-    """Mean vertex error in mm of the mean face, of the best fit that the model can hold, and of methods, by manner."""
+def compare(pipeline: Pipeline, methods: Mapping[str, Method], split: str, count: int) -> Errors:
+    """Errors of the mean face, of the best fit that the model can hold, and of methods, by manner of drawing."""
     model = pipeline.database.model
     faces = [pipeline.database[int(number)] for number in pipeline.unseen(split, count)]
     best = [model.fit(face.vertices) for face in tqdm(faces, desc=f"best fits, {split}", unit="face", leave=False)]
@@ -144,6 +147,31 @@ def compare(pipeline: Pipeline, methods: Mapping[str, Method], split: str, count
     manners = {}
     for manner in Manner:
         tests = test_set(pipeline, split, manner, count)
-        errors = references | {name: vertex_errors(faces, method(tests)) for name, method in methods.items()}
-        manners[manner.value] = {name: float(error.mean()) for name, error in errors.items()}
+        errors = {name: vertex_errors(faces, method(tests)) for name, method in methods.items()}
+        manners[manner.value] = references | errors
     return manners
+
+
+def with_and_without_wrinkles(
+    pipeline: Pipeline, regressor: FaceRegressor, count: int, shown: int = 4
+) -> list[tuple[Sketch, Face, Face]]:
+    """Of some faces of people left out, those drawings that wrinkle lines change most, and the heads with and without.
+
+    Parameters
+    ----------
+    pipeline : Pipeline
+    regressor : FaceRegressor
+    count : int
+        Faces to look at.
+    shown : int
+        Of these.
+    """
+    found = []
+    for number in pipeline.unseen("identity", count):
+        face = pipeline.database[int(number)].face
+        drawings = [face.sketch(wrinkles=wrinkles) for wrinkles in (True, False)]
+        with_lines, without = (regressor.predict(drawing) for drawing in drawings)
+        change = float(np.linalg.norm(with_lines.vertices - without.vertices, axis=1).mean())
+        found.append((change, drawings[0], with_lines, without))
+    found.sort(key=lambda one: -one[0])
+    return [(drawing, with_lines, without) for _, drawing, with_lines, without in found[:shown]]

@@ -5,16 +5,18 @@ from __future__ import annotations
 import platform
 from pathlib import Path
 
+import numpy as np
+
 _SPLITS = {"random": "people seen", "identity": "people left out"}
 
 
-def accuracy_table(splits: dict[str, dict[str, dict[str, float]]], faces: int, command: str) -> str:
+def accuracy_table(splits: dict[str, dict[str, dict[str, np.ndarray]]], faces: int, command: str) -> str:
     """Mean vertex error by method (rows), split and manner (columns).
 
     Parameters
     ----------
-    splits : dict of dict of dict of float
-        Errors in mm by method, by manner of drawing, by split.
+    splits : dict of dict of dict of arrays
+        Errors in mm at each vertex, by method, by manner of drawing, by split.
     faces : int
         Of each split.
     command : str
@@ -34,7 +36,7 @@ def accuracy_table(splits: dict[str, dict[str, dict[str, float]]], faces: int, c
     ]
     for method in splits[columns[0][0]][columns[0][1]]:
         errors = (splits[split][manner][method] for split, manner in columns)
-        rows.append(f"| {method} | " + " | ".join(f"{error:.2f}" for error in errors) + " |")
+        rows.append(f"| {method} | " + " | ".join(f"{error.mean():.2f}" for error in errors) + " |")
     return "\n".join(rows) + "\n"
 
 

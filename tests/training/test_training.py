@@ -437,6 +437,7 @@ def test_networks_are_evaluated_beside_the_mean_face_and_the_best_fit(
     errors = {name: [float(value) for value in row] for name, row in rows.items()}
     assert all(len(row) == 6 and 0 <= min(row) <= max(row) < 100 for row in errors.values())
     assert (np.array(errors["best fit in 3D"]) < errors["mean face"]).all() and max(errors["best fit in 3D"][:3]) < 0.1
+    assert {path.name for path in out.parent.iterdir()} == {"accuracy.md", "accuracy_maps.png", "accuracy_wrinkles.png"}
 
 
 @pytest.mark.parametrize(
