@@ -13,6 +13,7 @@ from pathlib import Path
 
 import numpy as np
 from PIL import Image
+from scipy.spatial import KDTree
 from tqdm import tqdm
 
 import sketchwidget as sw
@@ -21,8 +22,7 @@ from sketchwidget.face.handles import LINES
 from sketchwidget.face.template import PARTS
 from sketchwidget.geometry import View
 from sketchwidget.session import Session
-from sketchwidget.sketch import SILHOUETTE, WRINKLE
-from sketchwidget.training.tables import machine
+from sketchwidget.sketch import SILHOUETTE, WRINKLE, resample
 
 HERE = Path(__file__).parent
 TABLE, PICTURE = HERE / "FOLLOWUP.md", HERE / "followup.png"
@@ -38,15 +38,23 @@ def redraw(session: Session, face: sw.Face) -> None:
     drawing = editable(face.model.template, face.vertices, View()).lines
     (outline,) = drawing[SILHOUETTE]
     for start, end in _ROUNDS:
-        part = np.arange(round(start * len(outline)), round(end * len(outline))) % (len(outline) - 1)
         session.erase(_stretch(session, start, end), radius=_ERASER)
-        session.draw(outline[part])
+        first, last = KDTree(outline[:-1]).query(session.gap.erased.points[[0, -1]])[1]
+        around = (last - first) % (len(outline) - 1)
+        session.draw(outline[np.arange(first, first + around + 1) % (len(outline) - 1)])
     for name in LINES[1:]:
-        while points := session.sketch.lines.get(name):
-            session.erase(points[0][len(points[0]) // 2], radius=_ERASER)
+        while pieces := session.sketch.lines.get(name):
+            if not session.erase(_apart(session.sketch, pieces[0]), radius=_ERASER) or session.gap.name != name:
+                raise RuntimeError(f"a piece of the line {name} is too near to another one to be erased")
         session.draw(np.concatenate(drawing[name]))
     for wrinkle in face.sketch().lines.get(WRINKLE, []):
         session.draw(wrinkle)
+
+
+def _apart(sketch: sw.Sketch, piece: np.ndarray) -> np.ndarray:
+    """The point of a piece that is the furthest from all others."""
+    others = [resample(segment.points, 500) for segment in sketch.segments if segment.points is not piece]
+    return piece[np.argmax(KDTree(np.concatenate(others)).query(piece)[0])]
 
 
 def _stretch(session: Session, start: float, end: float) -> np.ndarray:
@@ -102,10 +110,10 @@ def _table(errors: np.ndarray, count: int) -> str:
     lines = [
         "# Follow-up sketching with and without inference",
         "",
-        f"Figure 9 and section 6.1 of *DeepSketch2Face*, measured. {count} faces of people that the network was not trained",
-        "on; a script redraws each line of the template as the face has it, and its wrinkles. Mean distance of skin",
-        "vertices from the true ones, in mm; the mean face is 200 mm high. Made by `python -m benchmarks.followup FACES`",
-        f"on: {machine()}.",
+        f"Figure 9 and section 6.1 of *DeepSketch2Face*, measured. {count} faces of people that the network was not",
+        "trained on; a script redraws each line of the template as the face has it, and its wrinkles. Mean distance of",
+        "skin vertices from the true ones, in mm; the mean face is 200 mm high. Made by",
+        "`python -m benchmarks.followup FACES`.",
         "",
         "| | distance | of it in depth | nearer than the other interface |",
         "|---|---|---|---|",

@@ -73,7 +73,11 @@ class CurveHandles:
         self._parts = _parts(template, rest)
 
     def __call__(
-        self, vertices: np.ndarray, targets: Mapping[str, np.ndarray], profile: np.ndarray | None = None
+        self,
+        vertices: np.ndarray,
+        targets: Mapping[str, np.ndarray],
+        profile: np.ndarray | None = None,
+        turning: bool = False,
     ) -> np.ndarray:
         """A head whose lines are where they were drawn.
 
@@ -86,6 +90,8 @@ class CurveHandles:
             Depth stays.
         profile : (p, 2) array, optional
             z and y in millimetres where the points of the profile go; those that are not finite are free.
+        turning : bool
+            Whether details turn and grow with what is around them in the front view; without a profile only.
 
         Returns
         -------
@@ -94,7 +100,11 @@ class CurveHandles:
         moves = self._moves(vertices, targets)
         moved = np.array(vertices, dtype=np.float32)
         if profile is None:
-            moved[:, :2] += self._spread @ self._deformation(moves[:, :2])
+            soft = np.asarray(vertices)[: self._template.coarse_count][self._template.soft[0]]
+            across = moves[:, :2]
+            moved[:, :2] += self._spread @ (
+                self._deformation.turning(soft, across) if turning else self._deformation(across)
+            )
         else:
             self._move_profile(moves, profile - vertices[self.profile][:, [2, 1]])
             for axis in range(3):
@@ -148,7 +158,7 @@ def profile_curve(template: Template, rest: np.ndarray) -> np.ndarray:
     edges = edges[skin[edges].all(axis=1)]
     length = np.linalg.norm(rest[edges[:, 0]] - rest[edges[:, 1]], axis=1)
     off = np.abs(rest[edges, 0]).max(axis=1) / _OFF_MIDDLE
-    graph = sparse.coo_matrix((length * (1 + off**2), edges.T), shape=(len(rest), len(rest))).tocsr()
+    graph = sparse.csr_matrix((length * (1 + off**2), edges.T), shape=(len(rest), len(rest)))
     silhouette = template.curves[SILHOUETTE]
     top = silhouette[np.argmax(rest[silhouette, 1])]
     upper, lower = (top, *template.landmarks[list(_UPPER)]), tuple(template.landmarks[list(_LOWER)])

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import igl
 import numpy as np
 from scipy import sparse
@@ -41,7 +43,7 @@ class HandleDeformation:
         self,
         rest: np.ndarray,
         faces: np.ndarray,
-        handles: sparse.csr_matrix,
+        handles: Any,
         softness: float,
         anchor: float,
         usual: np.ndarray | None = None,
@@ -93,16 +95,13 @@ class HandleDeformation:
         rounds : int
         """
         plane = np.asarray(vertices, dtype=np.float64)[:, :2]
-        coordinates = self._laplacian @ plane
+        flat = self._laplacian @ plane
+        coordinates = flat[:, 0] + 1j * flat[:, 1]
         displaced = self(moves)
         for _ in range(rounds):
-            turn = self._similarities(plane, plane + displaced)
-            change = (turn * (coordinates[:, 0] + 1j * coordinates[:, 1])) - (
-                coordinates[:, 0] + 1j * coordinates[:, 1]
-            )
-            free = self._energy.solve(
-                self._laplacian.T @ (self._by_area @ np.stack([change.real, change.imag], axis=1))
-            )
+            change = (self._similarities(plane, plane + displaced) - 1) * coordinates
+            wanted = self._by_area @ np.stack([np.real(change), np.imag(change)], axis=1)
+            free = self._energy.solve(self._laplacian.T @ wanted)
             displaced = free + self(moves - self._handles @ free)
         return displaced.astype(np.float32)
 
@@ -114,7 +113,6 @@ class HandleDeformation:
         z, w = (points[:, 0] + 1j * points[:, 1] for points in (before, after))
         a, b = z[pairs.col] - z[pairs.row], w[pairs.col] - w[pairs.row]
         count = len(before)
-        top = np.bincount(pairs.row, pairs.data * (b * a.conj()).real, count) + 1j * np.bincount(
-            pairs.row, pairs.data * (b * a.conj()).imag, count
-        )
-        return top / np.maximum(np.bincount(pairs.row, pairs.data * np.abs(a) ** 2, count), 1e-12)
+        product = b * a.conj()
+        turn, grown = (np.bincount(pairs.row, pairs.data * part(product), count) for part in (np.imag, np.real))
+        return (grown + 1j * turn) / np.maximum(np.bincount(pairs.row, pairs.data * np.abs(a) ** 2, count), 1e-12)

@@ -106,7 +106,7 @@ class HandleTargets:
         former = handle_points(pieces_of(self.followup.lines, name), len(placed))
         off = self.frame.project(self.followup.start.layers.drawn.curve(name)) - former
         off *= np.minimum(1.0, _LEEWAY * self.frame.scale / np.maximum(np.linalg.norm(off, axis=1), 1e-9))[:, None]
-        same = (np.abs(drawn - former) < 1e-6).all(axis=1)
+        same = np.linalg.norm(drawn - former, axis=1) < 1e-6
         return np.where(same[:, None], former + off, slid(pieces[0], placed, same))
 
 

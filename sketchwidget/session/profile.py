@@ -62,7 +62,7 @@ def dragged(former: np.ndarray | None, shown: Modelled, stroke: np.ndarray, side
         line = np.stack([2 * centre - line[:, 0], line[:, 1]], axis=1)
     present = drawn(shown)
     along = arc_length(present)
-    distance, nearest = KDTree(present).query(line[[0, -1]])
+    distance, nearest = map(np.asarray, KDTree(present).query(line[[0, -1]]))
     if distance.max() > _NEAR:
         raise ValueError("the stroke is not near the profile: draw it beside the part that it should drag")
     if nearest[0] > nearest[1]:

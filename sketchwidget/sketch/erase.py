@@ -11,7 +11,6 @@ from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
-from scipy.spatial import KDTree
 
 from .names import UNNAMED
 from .polyline import arc_length, resample
@@ -22,7 +21,6 @@ from .sweep import covered_spans, distance_to_move
 RADIUS_RANGE = (1e-3, 1.0)  # from a quarter of a pixel of the networks' image to the whole canvas
 
 _SHORTEST = 0.5  # of the radius: shorter fragments are crumbs and go too
-_TOUCH_POINTS = 100  # of a segment, when the nearest one is sought
 _TOUCH = 1 - 1e-3  # of the radius: ink further out only touches the eraser, as do the ends that an earlier pass left
 
 
@@ -95,10 +93,15 @@ def first_touched(sketch: Sketch, path: Any, radius: float) -> int | None:
         return None
     path = as_stroke(path)
     steps = resample(path, 1 + int(2 * arc_length(path)[-1] / radius))
-    lines = [sketch.segments[index].points for index in hit]
-    away = np.stack([KDTree(resample(line, _TOUCH_POINTS)).query(steps)[0] for line in lines])
+    away = np.stack([_distance(steps, sketch.segments[index].points) for index in hit])
     first = int(np.argmax((away <= max(radius, away.min())).any(axis=0)))
     return hit[int(np.argmin(away[:, first]))]
+
+
+def _distance(points: np.ndarray, line: np.ndarray) -> np.ndarray:
+    """Distance (n,) of points (n, 2) from a polyline (m, 2)."""
+    edges = np.stack([line[:-1], line[1:]], axis=1) if len(line) > 1 else np.stack([line, line], axis=1)
+    return np.min([distance_to_move(points, start, end) for start, end in edges.astype(np.float64)], axis=0)
 
 
 def as_radius(radius: Any) -> float:

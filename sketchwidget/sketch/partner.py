@@ -38,17 +38,15 @@ def follow(partner: Sequence[Piece], former: Sequence[Piece], redrawn: Sequence[
         [complex(*line.points[0]), complex(*line.points[-1])] for line in (joined(former), joined(redrawn))
     )
     turn = (d - c) / (b - a) if a != b else 1.0
-    other = _in_axes(joined(redrawn).points, c, d)
-    runs = np.maximum.accumulate(other.real)
+    along, across = _in_axes(_complex(joined(redrawn).points), c, d)
+    runs = np.maximum.accumulate(along)
     below = 1.0 if redrawn[0].name.endswith("_upper") == (d.real > c.real) else -1.0
     moved = []
     for piece in partner:
-        here = c + turn * (_complex(piece.points) - a)
-        place = _in_axes(np.stack([here.real, here.imag], axis=1), c, d)
-        least = np.interp(place.real, runs, other.imag)
-        height = below * np.maximum(below * place.imag, below * least)
-        there = c + (place.real + 1j * height) * _unit(d - c)
-        moved.append(piece.moved(np.stack([there.real, there.imag], axis=1)))
+        place, height = _in_axes(c + turn * (_complex(piece.points) - a), c, d)
+        height = below * np.maximum(below * height, below * np.interp(place, runs, across))
+        there = c + (place + 1j * height) * _unit(d - c)
+        moved.append(piece.moved(np.stack([np.real(there), np.imag(there)], axis=1)))
     return _with_corners(moved, redrawn[0].points[0], redrawn[-1].points[-1])
 
 
@@ -59,9 +57,10 @@ def _with_corners(pieces: list[Piece], first: np.ndarray, last: np.ndarray) -> l
     return [piece.moved(line) for piece, line in zip(pieces, lines, strict=True)]
 
 
-def _in_axes(points: np.ndarray, start: complex, end: complex) -> np.ndarray:
-    """Points (n, 2) as complex numbers along and across the way from start to end."""
-    return (_complex(points) - start) / _unit(end - start)
+def _in_axes(points: np.ndarray, start: complex, end: complex) -> tuple[np.ndarray, np.ndarray]:
+    """How far complex points (n,) are along and across the way from start to end."""
+    seen = (points - start) / _unit(end - start)
+    return np.real(seen), np.imag(seen)
 
 
 def _complex(points: np.ndarray) -> np.ndarray:

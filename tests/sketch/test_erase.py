@@ -8,6 +8,7 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 
 from sketchwidget.sketch import Segment, Sketch, erase, resample
+from sketchwidget.sketch.erase import first_touched
 
 coordinates = st.floats(0, 1, width=32)
 strokes = hnp.arrays(np.float32, st.tuples(st.integers(1, 8), st.just(2)), elements=coordinates)
@@ -142,3 +143,11 @@ def test_a_radius_out_of_range_is_an_error(radius):
 def test_a_path_that_is_no_stroke_is_an_error(path):
     with pytest.raises(ValueError, match="a stroke"):
         erase(Sketch(), path, 0.1)
+
+
+def test_an_eraser_comes_to_one_segment_first():
+    sketch = Sketch().with_segment("nose", [[0.2, 0.1], [0.2, 0.9]]).with_segment("wrinkle", [[0.8, 0.1], [0.8, 0.9]])
+    assert first_touched(sketch, [[0.0, 0.5], [1.0, 0.5]], 0.05) == 0
+    assert first_touched(sketch, [[1.0, 0.5], [0.0, 0.5]], 0.05) == 1
+    assert first_touched(sketch, [[0.5, 0.5]], 0.05) is None
+    assert first_touched(sketch, [[0.52, 0.5]], 0.4) == 1
