@@ -21,6 +21,7 @@ from .sweep import covered_spans, distance_to_move
 RADIUS_RANGE = (1e-3, 1.0)  # from a quarter of a pixel of the networks' image to the whole canvas
 
 _SHORTEST = 0.5  # of the radius: shorter fragments are crumbs and go too
+_TIE = 1e-3  # canvas units, a pixel of a small pad
 _TOUCH = 1 - 1e-3  # of the radius: ink further out only touches the eraser, as do the ends that an earlier pass left
 
 
@@ -95,7 +96,9 @@ def first_touched(sketch: Sketch, path: Any, radius: float) -> int | None:
     steps = resample(path, 1 + int(2 * arc_length(path)[-1] / radius))
     away = np.stack([_distance(steps, sketch.segments[index].points) for index in hit])
     first = int(np.argmax((away <= max(radius, away.min())).any(axis=0)))
-    return hit[int(np.argmin(away[:, first]))]
+    # Lines that meet are equally near where they do: then the path as a whole tells which one is meant.
+    close = np.flatnonzero(away[:, first] <= away[:, first].min() + _TIE)
+    return hit[int(close[np.argmin(away[close].mean(axis=1))])]
 
 
 def _distance(points: np.ndarray, line: np.ndarray) -> np.ndarray:

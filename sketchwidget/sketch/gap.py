@@ -17,6 +17,7 @@ from .polyline import arc_length, resample
 
 _STROKE_POINTS = 160
 _JOIN = 0.02  # canvas units from an open end within which a stroke bends into the direction of the line
+_GIVES_WAY = 5.0  # times its distance from an open end that a stroke bends towards it
 _TANGENT = 0.015  # canvas units of a line that tell its direction at an open end
 _OVERSHOOT = 0.4  # of a stroke, from each end, that may run past the open end
 _FARTHEST = 0.2  # canvas units from the gap: such a stroke means something else
@@ -213,10 +214,12 @@ def _cut(line: np.ndarray, end: np.ndarray) -> np.ndarray:
 
 
 def _begun_at(line: np.ndarray, start: np.ndarray, direction: np.ndarray) -> np.ndarray:
-    """A line moved to begin at a point, the less the further along, and in a direction if it does not turn back."""
+    """A line bent to begin at a point, and in a direction if it does not turn back; further along it stays as drawn."""
     along = arc_length(line)
-    rest = np.clip(1 - 2 * along / along[-1], 0.0, 1.0)
-    line = line + (rest**2 * (3 - 2 * rest))[:, None] * (start - line[0])
+    off = start - line[0]
+    within = max(min(_GIVES_WAY * float(np.linalg.norm(off)), along[-1] / 2), 1e-9)
+    rest = np.clip(1 - along / within, 0.0, 1.0)
+    line = line + (rest**2 * (3 - 2 * rest))[:, None] * off
     along = arc_length(line)
     bend = int(np.searchsorted(along, min(_JOIN, along[-1] / 6)))
     onward = _unit(line[min(bend + 4, len(line) - 1)] - line[bend])

@@ -151,3 +151,13 @@ def test_an_eraser_comes_to_one_segment_first():
     assert first_touched(sketch, [[1.0, 0.5], [0.0, 0.5]], 0.05) == 1
     assert first_touched(sketch, [[0.5, 0.5]], 0.05) is None
     assert first_touched(sketch, [[0.52, 0.5]], 0.4) == 1
+
+
+def test_where_lines_meet_the_path_tells_which_is_meant():
+    sketch = (
+        Sketch()
+        .with_segment("mouth_upper", [[0.4, 0.5], [0.6, 0.48]])
+        .with_segment("mouth_lower", [[0.4, 0.5], [0.6, 0.52]])
+    )
+    for index in (0, 1):
+        assert first_touched(sketch, sketch.segments[index].points, 0.05) == index
