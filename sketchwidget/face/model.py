@@ -14,6 +14,7 @@ import numpy as np
 from safetensors.numpy import save_file
 from scipy.sparse.linalg import SuperLU, splu
 
+from ..files.tensorfile import read, writing
 from ..sketch import FEATURES, SILHOUETTE
 from .appearance import vertex_colors
 from .bilinear import Bilinear, fit
@@ -21,7 +22,6 @@ from .drawing import LIPS
 from .face import Face
 from .handles import CurveHandles
 from .template import Template
-from .tensorfile import read, writing
 from .wrinkles import Wrinkles
 
 FORMAT = "sketchwidget face model 2"

@@ -4,6 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
+_EDGE = (
+    1e-6  # of a triangle: rounding opens no slit between two, as behind the vertices of a symmetric head from the side
+)
+
 
 def covering(points: np.ndarray, vertices: np.ndarray, faces: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Triangles that face a viewer far along z, over points or under them.
@@ -51,7 +55,7 @@ def covering(points: np.ndarray, vertices: np.ndarray, faces: np.ndarray) -> tup
     first, second, double_area = first[triangle], second[triangle], double_area[triangle]
     s = (offset[:, 0] * second[:, 1] - offset[:, 1] * second[:, 0]) / double_area
     t = (first[:, 0] * offset[:, 1] - first[:, 1] * offset[:, 0]) / double_area
-    inside = (s >= 0) & (t >= 0) & (s + t <= 1)
+    inside = (s >= -_EDGE) & (t >= -_EDGE) & (s + t <= 1 + _EDGE)
     above = s * first[:, 2] + t * second[:, 2] - offset[:, 2]
     return point[inside], above[inside]
 
@@ -77,7 +81,8 @@ def visible(
     -------
     (p,) bool array
     """
-    point, above = covering(points @ rotation.T, np.asarray(vertices, dtype=np.float64) @ rotation.T, faces)
+    points, vertices = np.asarray(points, dtype=np.float64), np.asarray(vertices, dtype=np.float64)
+    point, above = covering(points @ rotation.T, vertices @ rotation.T, faces)
     clear = np.ones(len(points), dtype=bool)
     clear[point[above > tolerance]] = False
     return clear

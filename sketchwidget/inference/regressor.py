@@ -16,7 +16,7 @@ from threadpoolctl import ThreadpoolController
 from ..face import Face, FaceModel
 from ..face.drawing import outline as drawn_outline
 from ..face.drawing import outline_weights
-from ..face.tensorfile import read, writing
+from ..files.tensorfile import read, writing
 from ..geometry.view import CANVAS_MM, View
 from ..sketch import FEATURES, SILHOUETTE, UNNAMED, Sketch
 from .framing import Frame, place

@@ -83,3 +83,12 @@ def test_what_stands_before_a_point_hides_it():
     points = np.array([[0.0, 0, 50], [15, 0, 47.7], [25, 0, 43.3], [0, 0, 110]])
     assert visible(points, vertices, faces, np.eye(3)).tolist() == [False, False, True, True]
     assert visible(np.empty((0, 3)), vertices, faces, np.eye(3)).shape == (0,)
+
+
+def test_what_lies_behind_a_corner_or_an_edge_is_hidden():
+    """Seen from the side, the vertices of a symmetric mesh lie exactly behind one another."""
+    ball = trimesh.creation.icosphere(3, 20.0)
+    side = rotation_about_y(90)
+    for vertices in (ball.vertices, ball.vertices.astype(np.float32)):
+        clear = visible(vertices, vertices, ball.faces, side)
+        assert not clear[vertices @ side[2] < -3].any()

@@ -1,0 +1,50 @@
+"""What of the visible surface of a mesh lies within a closed line on the screen."""
+
+from __future__ import annotations
+
+import igl
+import numpy as np
+from scipy.sparse.csgraph import connected_components
+from skimage.measure import points_in_poly
+
+from .view import View
+from .visibility import visible
+
+
+def enclosed(polygon: np.ndarray, vertices: np.ndarray, faces: np.ndarray, view: View, among: np.ndarray) -> np.ndarray:
+    """Vertices of the visible surface within a closed line, and those that they hide in pockets.
+
+    A pocket is what cannot be reached along the surface from the largest part that is left, as the inside of a mouth
+    whose lips are within the line. Left out, it would hold the lips where they are.
+
+    Parameters
+    ----------
+    polygon : (p, 2) array
+        Canvas points; its last is joined to its first.
+    vertices : (n, 3) array
+        Millimetres.
+    faces : (m, 3) int array
+        All that may hide the surface.
+    view : View
+    among : (n,) bool array
+        The vertices that are asked for.
+
+    Returns
+    -------
+    (n,) bool array
+    """
+    within = np.asarray(among, dtype=bool) & points_in_poly(
+        view.project(vertices), np.asarray(polygon, dtype=np.float64)
+    )
+    found = np.zeros(len(vertices), dtype=bool)
+    places = np.flatnonzero(within)
+    found[places] = visible(vertices[places], vertices, faces, view.rotation)
+    if not found.any():
+        return found
+    rest = np.flatnonzero(among & ~found)
+    neighbours = igl.adjacency_matrix(np.asarray(faces, dtype=np.int64)).tocsr()[rest][:, rest]
+    _, part = connected_components(neighbours, directed=False)
+    outside = np.bincount(part, minlength=1).argmax()
+    pockets = rest[part != outside]
+    found[pockets[within[pockets]]] = True
+    return found
