@@ -9,8 +9,10 @@ if TYPE_CHECKING:
     from .database.database import FaceDatabase
     from .face import Face, FaceModel
     from .geometry import View
+    from .gesture import GESTURES
+    from .gesture.classifier import GestureClassifier
     from .inference import FaceRegressor
-    from .session import Session
+    from .session import Session, register_gesture
     from .sketch import Sketch
     from .widgets import DrawingCollector, Studio
 
@@ -23,23 +25,29 @@ _HOMES = {
     "FaceDatabase": "database.database",
     "FaceModel": "face",
     "FaceRegressor": "inference",
+    "GESTURES": "gesture",
+    "GestureClassifier": "gesture.classifier",
     "Session": "session",
     "Sketch": "sketch",
     "Studio": "widgets",
     "View": "geometry",
+    "register_gesture": "session",
 }
 
 __all__ = [
+    "GESTURES",
     "DrawingCollector",
     "Face",
     "FaceDatabase",
     "FaceModel",
     "FaceRegressor",
+    "GestureClassifier",
     "Session",
     "Sketch",
     "Studio",
     "View",
     "__version__",
+    "register_gesture",
 ]
 
 

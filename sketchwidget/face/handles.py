@@ -70,7 +70,7 @@ class CurveHandles:
         )
         away = np.linalg.norm(self._rest[self.profile][:, None] - self._rest[front], axis=2).min(axis=1)
         self._height_given = away < _AT_A_LINE
-        self._parts = _parts(template, rest)
+        self._parts = attached_parts(template, rest)
 
     def __call__(
         self,
@@ -180,7 +180,7 @@ def _way(graph: sparse.csr_matrix, stations: tuple[int, ...]) -> list[int]:
 
 
 @dataclass(frozen=True)
-class _Part:
+class Attached:
     """A part of its own, and the vertices of the skin that it follows."""
 
     vertices: np.ndarray
@@ -188,7 +188,8 @@ class _Part:
     is_eye: bool
 
 
-def _parts(template: Template, rest: np.ndarray) -> list[_Part]:
+def attached_parts(template: Template, rest: np.ndarray) -> list[Attached]:
+    """The parts that do not deform, eyes, teeth and tongue, and what each of them follows."""
     faces = template.faces
     ends = (faces.ravel(), np.roll(faces, 1, axis=1).ravel())
     links = sparse.coo_matrix((np.ones(faces.size, dtype=bool), ends), shape=(len(rest), len(rest)))
@@ -204,7 +205,7 @@ def _parts(template: Template, rest: np.ndarray) -> list[_Part]:
             leaders = template.curves[f"{side}_eye_upper"][[0, -1]]
         else:
             leaders = front[tree.query(rest[part, :2])[1]]
-        parts.append(_Part(part, leaders, is_eye))
+        parts.append(Attached(part, leaders, is_eye))
     return parts
 
 

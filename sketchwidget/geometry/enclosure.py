@@ -8,7 +8,7 @@ from scipy.sparse.csgraph import connected_components
 from skimage.measure import points_in_poly
 
 from .view import View
-from .visibility import visible
+from .visibility import visible_vertices
 
 
 def enclosed(polygon: np.ndarray, vertices: np.ndarray, faces: np.ndarray, view: View, among: np.ndarray) -> np.ndarray:
@@ -38,7 +38,7 @@ def enclosed(polygon: np.ndarray, vertices: np.ndarray, faces: np.ndarray, view:
     )
     found = np.zeros(len(vertices), dtype=bool)
     places = np.flatnonzero(within)
-    found[places] = visible(vertices[places], vertices, faces, view.rotation)
+    found[places] = visible_vertices(vertices, faces, view.rotation, places)
     if not found.any():
         return found
     rest = np.flatnonzero(among & ~found)

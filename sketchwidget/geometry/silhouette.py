@@ -17,7 +17,9 @@ _LENGTHS = (0.5, 2.0)  # of the part of a silhouette that a stroke can mean, as 
 _SMOOTHING = 1.0  # vertices; a chain of edges zigzags about the contour, and the zigzag is the mesh's, not the stroke's
 
 
-def silhouettes(vertices: np.ndarray, faces: np.ndarray, rotation: np.ndarray) -> list[np.ndarray]:
+def silhouettes(
+    vertices: np.ndarray, faces: np.ndarray, rotation: np.ndarray, among: np.ndarray | None = None
+) -> list[np.ndarray]:
     """Chains of edges along which a mesh turns away from a distant viewer, as far as they are seen.
 
     Parameters
@@ -28,6 +30,8 @@ def silhouettes(vertices: np.ndarray, faces: np.ndarray, rotation: np.ndarray) -
         Triangles of a manifold mesh; its boundary is no silhouette.
     rotation : (3, 3) array
         From the mesh's frame to the viewer's: x right, y up, z to the viewer.
+    among : (n,) bool array, optional
+        The vertices that count; chains end where they do.
 
     Returns
     -------
@@ -41,7 +45,8 @@ def silhouettes(vertices: np.ndarray, faces: np.ndarray, rotation: np.ndarray) -
     used = np.unique(np.concatenate(chains))
     clear = np.zeros(len(vertices), dtype=bool)
     clear[used] = visible(np.asarray(vertices)[used], vertices, faces, rotation)
-    return [run for chain in chains for run in _runs(chain, clear[chain])]
+    runs = [run for chain in chains for run in _runs(chain, clear[chain])]
+    return runs if among is None else [part for run in runs for part in _runs(run, among[run], gap=0)]
 
 
 def _contour_edges(seen: np.ndarray, faces: np.ndarray) -> np.ndarray:
@@ -79,17 +84,17 @@ def _straightness(seen: np.ndarray, before: int, at: int, after: int) -> float:
     return float(come @ go / max(np.linalg.norm(come) * np.linalg.norm(go), 1e-12))
 
 
-def _runs(chain: np.ndarray, clear: np.ndarray) -> list[np.ndarray]:
-    """The visible parts of a chain."""
+def _runs(chain: np.ndarray, clear: np.ndarray, gap: int = _GAP) -> list[np.ndarray]:
+    """The parts of a chain that are clear; as many vertices in a row that are not do not part them."""
     closed = chain[0] == chain[-1]
     if closed and not clear.all():  # begin where it is hidden, so that no part goes over the end
         turn = int(np.argmin(clear))
         chain = np.append(np.roll(chain[:-1], -turn), chain[turn])
         clear = np.append(np.roll(clear[:-1], -turn), clear[turn])
     hidden = np.flatnonzero(~clear)
-    for gap in np.split(hidden, np.flatnonzero(np.diff(hidden) > 1) + 1):
-        if 0 < len(gap) <= _GAP and gap[0] > 0 and gap[-1] < len(clear) - 1:
-            clear[gap] = True
+    for row in np.split(hidden, np.flatnonzero(np.diff(hidden) > 1) + 1):
+        if 0 < len(row) <= gap and row[0] > 0 and row[-1] < len(clear) - 1:
+            clear[row] = True
     places = np.flatnonzero(clear)
     runs = np.split(places, np.flatnonzero(np.diff(places) > 1) + 1)
     return [chain[run] for run in runs if len(run) >= _SHORTEST]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import igl
 import numpy as np
 
 _EDGE = (
@@ -58,6 +59,30 @@ def covering(points: np.ndarray, vertices: np.ndarray, faces: np.ndarray) -> tup
     inside = (s >= -_EDGE) & (t >= -_EDGE) & (s + t <= 1 + _EDGE)
     above = s * first[:, 2] + t * second[:, 2] - offset[:, 2]
     return point[inside], above[inside]
+
+
+def visible_vertices(vertices: np.ndarray, faces: np.ndarray, rotation: np.ndarray, asked: np.ndarray) -> np.ndarray:
+    """Which vertices of a mesh a distant viewer sees: those that nothing hides, on a surface that faces the viewer.
+
+    Parameters
+    ----------
+    vertices : (n, 3) array
+        Millimetres.
+    faces : (m, 3) int array
+    rotation : (3, 3) array
+        From the mesh's frame to the viewer's.
+    asked : (k,) int array
+        The vertices that are asked for.
+
+    Returns
+    -------
+    (k,) bool array
+    """
+    triangles = np.asarray(faces, dtype=np.int64)
+    normals = np.asarray(igl.per_vertex_normals(np.asarray(vertices, dtype=np.float64), triangles))
+    seen = normals[asked] @ rotation[2] > 0
+    seen[seen] = visible(np.asarray(vertices)[asked[seen]], vertices, faces, rotation)
+    return seen
 
 
 def visible(

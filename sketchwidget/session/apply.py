@@ -9,8 +9,10 @@ import numpy as np
 from sketchwidget.sketch import UNNAMED, Sketch, erase
 
 from . import followup
-from .events import Cancel, Clear, Draw, Erase, Event, Mode, StartFromTemplate
+from .behaviours import gestured
+from .events import Brush, Cancel, Clear, Draw, Erase, Event, Gesture, Mode, StartFromTemplate
 from .modeller import Modeller
+from .refinement import brushed, unmarked
 from .state import State
 
 
@@ -46,6 +48,12 @@ def apply(state: State, event: Event, modeller: Modeller) -> State:
             return followup.edited(state, event, modeller)
         case Cancel():
             return state
+        case Gesture():
+            return gestured(_refining(state, modeller), event, modeller)
+        case Brush():
+            return brushed(_refining(state, modeller), event, modeller)
+        case Clear() if state.mode == "refine":
+            return unmarked(state)
         case _:
             sketch = _edited(state.sketch, event)
             if sketch is state.sketch:
@@ -55,6 +63,10 @@ def apply(state: State, event: Event, modeller: Modeller) -> State:
 
 def _switched(state: State, mode: str, modeller: Modeller) -> State:
     return followup.entered(state, modeller) if mode == "followup" else replace(followup.left(state), mode=mode)
+
+
+def _refining(state: State, modeller: Modeller) -> State:
+    return state if state.mode == "refine" else _switched(state, "refine", modeller)
 
 
 def _is_untouched(state: State, started: State) -> bool:

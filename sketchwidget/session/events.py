@@ -8,13 +8,17 @@ from typing import Any
 
 import numpy as np
 
+from sketchwidget.geometry.view import View
 from sketchwidget.sketch import as_stroke
 from sketchwidget.sketch.erase import as_radius
+from sketchwidget.sketch.stroke import MAX_GIVEN_POINTS
 
 VIEWS = ("front", "left", "right")
+FEWEST_POINTS = 3  # of a gesture: a stroke of two is a slip of the pen
 MODES = ("initial", "followup", "refine")
 
 _DECIMALS = 5  # of a coordinate: 2.5 micrometres of the head
+_VIEW_DECIMALS = 6  # float32 has no more
 
 
 @dataclass(frozen=True, eq=False)
@@ -136,7 +140,86 @@ class Cancel(Event):
     """What was erased and waits to be drawn anew is as it was."""
 
 
-_KINDS = {event.__name__.lower(): event for event in (Draw, Erase, Clear, Undo, Redo, Mode, StartFromTemplate, Cancel)}
+@dataclass(frozen=True, eq=False)
+class Gesture(Event):
+    """A stroke of the pen on the head.
+
+    Parameters
+    ----------
+    points : (n, 2) array-like
+        At least three canvas points, rounded as those of `Draw`.
+    view : View or str, optional
+        How the head is seen: a view, kept rounded as it is written, or the name of a preset in the frame of the
+        drawing; None is the front.
+    tool : str, optional
+        What the stroke does if it is to be no gesture: the name of a tool that a user registered.
+
+    Raises
+    ------
+    ValueError
+        If the points are too few or no stroke, or the view is none.
+    """
+
+    points: np.ndarray
+    view: View | str | None = None
+    tool: str | None = None
+
+    def __post_init__(self) -> None:
+        points = _rounded(self.points)
+        if len(points) < FEWEST_POINTS:
+            raise ValueError(f"a gesture has at least {FEWEST_POINTS} points; given {len(points)}")
+        if self.tool is not None and not isinstance(self.tool, str):
+            raise ValueError(f"a tool is named by its name; given {self.tool!r}")
+        object.__setattr__(self, "points", points)
+        object.__setattr__(self, "view", _as_view(self.view))
+
+    def view_in(self, frame: View) -> View:
+        """How the head is seen, where a drawing has it in `frame`."""
+        if isinstance(self.view, View):
+            return self.view
+        return View(View.preset(self.view or "front").rotation, frame.scale, frame.centre)
+
+
+@dataclass(frozen=True, eq=False)
+class Brush(Event):
+    """Vertices of the head are marked as handles, or unmarked.
+
+    Parameters
+    ----------
+    vertices : (k,) array-like of int
+        At most a million numbers of vertices, kept once each, in order.
+    erase : bool
+        Whether they are unmarked.
+
+    Raises
+    ------
+    ValueError
+        If they are anything else.
+    """
+
+    vertices: np.ndarray
+    erase: bool = False
+
+    def __post_init__(self) -> None:
+        expected = f"vertices are given by up to {MAX_GIVEN_POINTS:,} whole numbers"
+        try:
+            vertices = np.asarray(self.vertices)
+        except ValueError as error:
+            raise ValueError(f"{expected}; given lists of different lengths") from error
+        whole = vertices.dtype.kind in "iu" or not vertices.size
+        if not whole or vertices.ndim != 1 or len(vertices) > MAX_GIVEN_POINTS:
+            raise ValueError(f"{expected}; given {vertices.dtype} values of shape {vertices.shape}")
+        if vertices.size and not 0 <= vertices.min() <= vertices.max() <= np.iinfo(np.int32).max:
+            raise ValueError(f"{expected}, none negative; given {vertices.min()} to {vertices.max()}")
+        if not isinstance(self.erase, bool):
+            raise ValueError(f"erase is true or false; given {self.erase!r}")
+        vertices = np.unique(vertices.astype(np.int32))
+        vertices.flags.writeable = False
+        object.__setattr__(self, "vertices", vertices)
+
+
+_EVENTS = (Draw, Erase, Clear, Undo, Redo, Mode, StartFromTemplate, Cancel, Gesture, Brush)
+_KINDS = {event.__name__.lower(): event for event in _EVENTS}
 
 
 def event_from_json(given: Any) -> Event:
@@ -161,7 +244,31 @@ def event_from_json(given: Any) -> Event:
 
 def _plain(value: Any) -> Any:
     """A field's value as JSON has it. Points leave float32 for the decimal number they were rounded to."""
-    return np.round(value.astype(np.float64), _DECIMALS).tolist() if isinstance(value, np.ndarray) else value
+    if isinstance(value, View):
+        return {"rotation": _decimal(value.rotation), "scale": value.scale, "centre": _decimal(value.centre)}
+    if isinstance(value, np.ndarray):
+        return value.tolist() if value.dtype.kind == "i" else np.round(value.astype(np.float64), _DECIMALS).tolist()
+    return value
+
+
+def _decimal(values: np.ndarray) -> Any:
+    return np.round(values.astype(np.float64), _VIEW_DECIMALS).tolist()
+
+
+def _as_view(given: Any) -> View | str | None:
+    if given is None:
+        return None
+    if isinstance(given, str):
+        View.preset(given)  # or an error
+        return given
+    if isinstance(given, dict) and given.keys() == {"rotation", "scale", "centre"}:
+        try:
+            given = View(**given)
+        except TypeError as error:
+            raise ValueError(f"a view has a rotation, a scale and a centre of numbers; given {given!r}") from error
+    if not isinstance(given, View):
+        raise ValueError(f"a view is a View, the name of a preset or None; given {given!r}")
+    return View(_decimal(given.rotation), float(f"{given.scale:.9g}"), _decimal(given.centre))
 
 
 def _rounded(points: Any) -> np.ndarray:

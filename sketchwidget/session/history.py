@@ -4,8 +4,10 @@ from __future__ import annotations
 
 from collections import deque
 
+from sketchwidget.gesture.names import LEFT_ARROW, RIGHT_ARROW
+
 from .apply import apply
-from .events import Event, Redo, Undo
+from .events import Event, Gesture, Redo, Undo
 from .modeller import Modeller
 from .state import State
 
@@ -58,7 +60,7 @@ class History:
         ValueError
             If the edit cannot be applied; the history is as before.
         """
-        match event:
+        match self._meant(event):
             case Undo():
                 return self._undo()
             case Redo():
@@ -70,6 +72,12 @@ class History:
         self._undone.clear()
         self._states.append(state)
         return True
+
+    def _meant(self, event: Event) -> Event:
+        """What an event does to the history: some gestures are an undo or a redo."""
+        if not isinstance(event, Gesture):
+            return event
+        return {LEFT_ARROW: Undo(), RIGHT_ARROW: Redo()}.get(self._modeller.gesture(event) or "", event)
 
     def _undo(self) -> bool:
         if not self._done:

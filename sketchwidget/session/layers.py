@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Protocol
 
@@ -37,8 +37,16 @@ class Displacement:
     @classmethod
     def between(cls, below: Face, above: Face) -> Displacement:
         """The layer that makes one head of another."""
+        return cls.of(below, above.vertices - below.vertices)
+
+    @classmethod
+    def of(cls, below: Face, displacement: np.ndarray) -> Displacement:
+        """The layer that moves the vertices of a head by (V, 3) millimetres."""
         frames = local_frames(below.vertices, below.faces)
-        return cls(np.einsum("vck,vc->vk", frames, above.vertices - below.vertices))
+        return cls(np.einsum("vck,vc->vk", frames, displacement).astype(np.float32))
+
+    def __add__(self, other: Displacement) -> Displacement:
+        return Displacement(self.offsets + other.offsets)
 
     def on(self, head: Face) -> Face:
         """The head with its vertices displaced."""
@@ -76,6 +84,12 @@ class Layers:
         for layer in (self.residual, self.targets):
             head = head if layer is None else layer.on(head)
         return head
+
+    def refined(self, refinement: Layer | None) -> Layers:
+        """The same with another refinement; the layers below are not applied again."""
+        layers = replace(self, refinement=refinement)
+        layers.__dict__["drawn"] = self.drawn
+        return layers
 
     @cached_property
     def head(self) -> Face:

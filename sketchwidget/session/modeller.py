@@ -5,19 +5,30 @@ from __future__ import annotations
 from collections import deque
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from time import perf_counter
 from typing import TYPE_CHECKING
 
+import numpy as np
+
+from sketchwidget.face.handles import Attached, attached_parts
+from sketchwidget.face.template import PARTS
+from sketchwidget.geometry.region_deformation import RegionDeformation
 from sketchwidget.geometry.view import View
 from sketchwidget.sketch import SILHOUETTE, Piece, Sketch
 
+from .behaviours import recognised
 from .followup import Followup, HandleTargets
 from .layers import Layers
+from .refinement import UNREFINED
 from .state import State
 
 if TYPE_CHECKING:
     from sketchwidget.face import Face, FaceModel
+    from sketchwidget.gesture.classifier import GestureClassifier
     from sketchwidget.inference import FaceRegressor
+
+    from .events import Gesture
 
 _KEPT = 4  # heads: those of the present state, the one before, and of strokes that are still being drawn
 
@@ -70,6 +81,58 @@ class Modeller:
         self._regressor = regressor
         self._model: FaceModel | None = None
         self._heads: deque[tuple[State, Modelled]] = deque(maxlen=_KEPT)
+        self._below: tuple[State, Modelled] | None = None
+        self._deformations: deque[tuple[bytes, RegionDeformation]] = deque(maxlen=_KEPT)
+        self._last_gesture: tuple[Gesture, str | None] | None = None
+
+    @cached_property
+    def gestures(self) -> GestureClassifier:
+        """What tells gestures apart; the shipped one, loaded when first needed."""
+        from sketchwidget.gesture.classifier import GestureClassifier
+
+        return GestureClassifier.load()
+
+    def gesture(self, event: Gesture) -> str | None:
+        """The name of a gesture: one that a user registered, one of the ten, or None."""
+        if event.tool is not None:
+            return event.tool
+        if self._last_gesture is None or self._last_gesture[0] is not event:
+            name = recognised(event.points) or self.gestures.classify(event.points)[0]
+            self._last_gesture = (event, name)
+        return self._last_gesture[1]
+
+    @cached_property
+    def soft(self) -> np.ndarray:
+        """Which vertices (V,) bool deform: skin and mouth."""
+        return self.model.template.fine_parts <= PARTS.index("mouth")
+
+    @cached_property
+    def soft_faces(self) -> np.ndarray:
+        """The triangles (f, 3) of what deforms."""
+        return self.model.faces[self.soft[self.model.faces].all(axis=1)]
+
+    @cached_property
+    def attached(self) -> list[Attached]:
+        """Eyes, teeth and tongue, which do not deform, and what each of them follows."""
+        return attached_parts(self.model.template, self.model.mean)
+
+    def deformation(self, movable: np.ndarray, handles: np.ndarray) -> RegionDeformation:
+        """The deformation of a region (V,) bool by handles (h,); the last few are remembered, with their factors.
+
+        Its metric is that of the mean face, whose triangles are all well shaped, whatever a head has been through.
+
+        Raises
+        ------
+        ValueError
+            As `RegionDeformation` does.
+        """
+        key = np.packbits(movable).tobytes() + np.asarray(handles, dtype=np.int32).tobytes()
+        for known, deformation in self._deformations:
+            if known == key:
+                return deformation
+        deformation = RegionDeformation(self.model.mean, self.model.faces, movable, handles)
+        self._deformations.append((key, deformation))
+        return deformation
 
     @property
     def given(self) -> FaceRegressor | None:
@@ -108,8 +171,18 @@ class Modeller:
         for known, modelled in self._heads:
             if known is state:
                 return modelled
-        modelled = self._modelled(state)
+        modelled = self._unrefined(replace(state, refinement=UNREFINED))
+        if modelled.layers.refinement is not state.refinement.layer:
+            modelled = replace(modelled, layers=modelled.layers.refined(state.refinement.layer))
         self._heads.append((state, replace(modelled, timings={})))
+        return modelled
+
+    def _unrefined(self, state: State) -> Modelled:
+        """The head of a state without refinement; the last is remembered, so that gestures infer nothing."""
+        if self._below is not None and self._below[0] == state:
+            return self._below[1]
+        modelled = self._modelled(state)
+        self._below = (state, replace(modelled, timings={}))
         return modelled
 
     def _modelled(self, state: State) -> Modelled:

@@ -15,11 +15,12 @@ from sketchwidget.sketch import Sketch, textfile
 
 from . import file, profile
 from .apply import apply
-from .events import Cancel, Clear, Draw, Erase, Event, Mode, Redo, StartFromTemplate, Undo
+from .events import Brush, Cancel, Clear, Draw, Erase, Event, Gesture, Mode, Redo, StartFromTemplate, Undo
 from .file import SessionFileError
 from .history import History
 from .layers import Layers
 from .modeller import Modelled, Modeller
+from .refinement import Refinement
 from .state import State
 
 if TYPE_CHECKING:
@@ -59,6 +60,8 @@ class Session(HasTraits):
         What the head is made of.
     frame : View
         Where the drawing places the head on the canvas.
+    refinement : Refinement
+        What is marked on the head, and what gestures made of it; see also `handles` and `region`.
     timings : dict of str to float
         Milliseconds of the last change: "sketch" for the edit, "inference", "total", and the steps of the inference.
     gap : Gap or None
@@ -73,6 +76,7 @@ class Session(HasTraits):
     face: Any = AnyTrait(read_only=True)
     layers = Instance(Layers, read_only=True)
     frame = Instance(View, args=(), read_only=True)
+    refinement = Instance(Refinement, args=(), read_only=True)
     timings = Dict(read_only=True)
     gap: Any = AnyTrait(None, read_only=True)
     can_undo = Bool(False, read_only=True)
@@ -95,6 +99,18 @@ class Session(HasTraits):
     def events(self) -> tuple[Event, ...]:
         """All events that changed anything, undos and redos included."""
         return tuple(self._events)
+
+    @property
+    def handles(self) -> np.ndarray:
+        """Vertices (h,) int32 that are marked for gestures to move."""
+        return self.refinement.handles
+
+    @property
+    def region(self) -> np.ndarray:
+        """Vertices (r,) int32 of the region of interest: all of the head until one was drawn."""
+        region = self.refinement.region
+        everything = np.arange(len(self._modeller.soft), dtype=np.int32)
+        return everything if region is None else everything[region]
 
     def draw(self, points: Any, view: str = "front", mirror: bool = False) -> None:
         """Draw a stroke.
@@ -154,7 +170,7 @@ class Session(HasTraits):
         return self._do(Erase(path, radius))
 
     def clear(self) -> bool:
-        """Remove all ink; False if there was none."""
+        """Remove all ink, or in the mode "refine" all marks: handles and region; False if there was none."""
         return self._do(Clear())
 
     def start_from_template(self) -> None:
@@ -168,6 +184,56 @@ class Session(HasTraits):
     def profile(self, side: str = "left") -> np.ndarray:
         """The head's profile (p, 2) on the canvas of its "left" or "right" view, beside which `draw` drags it."""
         return profile.drawn(self._modeller.head(self._history.state), side)
+
+    def gesture(self, points: Any, view: View | str | None = None, tool: str | None = None) -> str:
+        """Refine the head by a gesture: recognise the stroke, and do what it stands for (paper 3.3).
+
+        Enters the mode "refine". The arrows undo and redo, in any mode.
+
+        Parameters
+        ----------
+        points : (n, 2) array-like
+            At least three canvas points.
+        view : View or str, optional
+            How the head is seen: a view of its own, or a preset in the frame of the drawing; None is the front.
+        tool : str, optional
+            A tool that was added by `register_gesture`; the stroke is not recognised then.
+
+        Returns
+        -------
+        str
+            The gesture's name.
+
+        Raises
+        ------
+        ValueError
+            If the stroke is no gesture or there is nothing that it could do; nothing has changed then.
+        """
+        event = Gesture(points, view, tool)
+        self._do(event)
+        return self._modeller.gesture(event) or ""
+
+    def brush(self, vertices: Any, erase: bool = False) -> bool:
+        """Mark vertices of the head as handles, or unmark them; enters the mode "refine".
+
+        Parameters
+        ----------
+        vertices : (k,) array-like of int
+            Their numbers. Those of eyes, teeth and tongue do not count: these go along with the skin about them.
+        erase : bool
+            Whether to unmark them.
+
+        Returns
+        -------
+        bool
+            Whether it changed anything.
+
+        Raises
+        ------
+        ValueError
+            If they are no vertices of the head, or none that deforms; nothing has changed then.
+        """
+        return self._do(Brush(vertices, erase))
 
     def undo(self) -> bool:
         """Take the last edit back; False if there was none."""
@@ -260,6 +326,7 @@ class Session(HasTraits):
             "mode": state.mode,
             "gap": state.followup and state.followup.gap,
             "sketch": state.sketch,
+            "refinement": state.refinement,
             "can_undo": self._history.can_undo,
             "can_redo": self._history.can_redo,
             "timings": {"sketch": _milliseconds_since(started)},

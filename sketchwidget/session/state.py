@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING
 
 from sketchwidget.sketch import Sketch
 
+from .refinement import UNREFINED, Refinement
+
 if TYPE_CHECKING:
     from .followup import Followup
 
@@ -25,8 +27,11 @@ class State:
         follow-up sketching have their names.
     followup : Followup, optional
         What is edited in follow-up sketching; it stays when the mode is left.
+    refinement : Refinement
+        What is marked on the head, and what gestures made of it.
     """
 
     mode: str = "initial"
     sketch: Sketch = field(default_factory=Sketch)
     followup: Followup | None = None
+    refinement: Refinement = UNREFINED

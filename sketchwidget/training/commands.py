@@ -77,6 +77,33 @@ def network(
         typer.echo(f"{out}: {out.stat().st_size / 1e6:.1f} MB")
 
 
+@train.command()
+def gestures(
+    out: Annotated[Path, typer.Option(help="File to write.")],
+    recordings: Annotated[
+        list[Path], typer.Option(help="Recorded gestures, to train on too; may be given several times.")
+    ] = [],  # noqa: B006  (typer reads it)
+    steps: Annotated[int, typer.Option(min=2, help="Batches of 64 strokes.")] = 1_200,
+    tiny: Annotated[bool, typer.Option("--tiny", help="A few small steps, in seconds, to see it run.")] = False,
+) -> None:
+    """Train the classifier of pen gestures on simulated writers, and measure it on others."""
+    from ..database.provenance import provenance
+    from ..gesture.recordings import FILE
+    from .gestures import HELD_OUT, as_sample, measure, simulate, simulate_others, train
+
+    _require_folder(out)
+    recorded = [as_sample(recording) for path in recordings for recording in FILE.read(path)]
+    classifier = train(4, 8, recordings=recorded) if tiny else train(steps, recordings=recorded)
+    samples = simulate(HELD_OUT, 2 if tiny else 200, 1) + simulate_others(HELD_OUT, 20 if tiny else 2_000, 1)
+    found = measure(classifier, samples)
+    about = {"licence": "BSD-3-Clause, with sketchwidget", "recorded strokes": str(len(recorded))}
+    classifier.save(out, provenance(_command(), ("torch", "numpy", "scipy", "opencv-python-headless")) | about)
+    typer.echo(
+        f"{out}: {out.stat().st_size / 1e3:.0f} kB; on held-out simulated writers {found.accuracy:.2%} right,"
+        f" {found.refused:.2%} refused; of what is no gesture {found.false_acceptance:.2%} accepted"
+    )
+
+
 def evaluate(
     database: Database,
     network: Annotated[

@@ -6,9 +6,10 @@ from typing import Any
 
 import numpy as np
 
-from ..database.drawings import MAX_MILLISECONDS, as_pen_stroke, as_sketch
+from ..database.drawings import as_sketch
 from ..sketch import Sketch
 from ..sketch.erase import erase_stroke
+from ..sketch.pen import MAX_MILLISECONDS, as_pen_stroke
 
 Strokes = tuple[np.ndarray, ...]
 

@@ -7,16 +7,16 @@ import pytest
 from typer.testing import CliRunner
 
 from sketchwidget import FaceModel, cli
-from sketchwidget.database import drawings
 from sketchwidget.database.drawings import (
     Drawing,
     append,
-    as_pen_stroke,
     merge,
     read_drawings,
     take_back,
     write_drawings,
 )
+from sketchwidget.files import records
+from sketchwidget.sketch.pen import as_pen_stroke
 
 MODEL = "0123456789abcdef" * 4
 STROKE = np.array([[0.1, 0.2, 0.5, 0.0], [0.3, 0.4, 0.75, 8.3], [0.3, 0.5, 0.75, 16.6]])
@@ -162,18 +162,18 @@ def test_a_file_of_something_else_is_not_added_to(path):
 
 def test_files_and_lines_are_bounded(path, monkeypatch):
     write_drawings(path, [drawing()])
-    monkeypatch.setattr(drawings, "MAX_LINE", 100)
+    monkeypatch.setattr(records, "MAX_LINE", 100)
     with pytest.raises(ValueError, match=r"pupil\.jsonl, line 2 is longer"):
         read_drawings(path)
     monkeypatch.undo()
-    monkeypatch.setattr(drawings, "MAX_BYTES", path.stat().st_size + 10)
+    monkeypatch.setattr(records, "MAX_BYTES", path.stat().st_size + 10)
     with pytest.raises(ValueError, match="would be larger"):
         append(path, drawing(0.1))
     with pytest.raises(ValueError, match="would be larger"):
         write_drawings(path, [drawing(), drawing(0.1)])
     assert read_drawings(path) == [drawing()]
     assert [file.name for file in path.parent.iterdir()] == [path.name]
-    monkeypatch.setattr(drawings, "MAX_BYTES", 100)
+    monkeypatch.setattr(records, "MAX_BYTES", 100)
     with pytest.raises(ValueError, match="is larger than"):
         read_drawings(path)
 

@@ -1,0 +1,158 @@
+"""What each gesture does to a head (paper 3.3), and how users add gestures and tools of their own.
+
+A behaviour is a function from an `Edit` to a `Refinement`; it raises a ValueError, whose message the user reads, where
+there is nothing to do.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from sketchwidget.geometry.enclosure import enclosed
+from sketchwidget.geometry.silhouette import nearest_silhouette, silhouettes
+from sketchwidget.gesture.names import DOWN_ROLLS, GESTURES, LEFT_ARROW, LINE, REGION, RIGHT_ARROW, UP_ROLLS
+
+from .refinement import Edit, Refinement
+
+if TYPE_CHECKING:
+    from .events import Gesture
+    from .modeller import Modeller
+    from .state import State
+
+Behaviour = Callable[[Edit], Refinement]
+Recogniser = Callable[[np.ndarray], bool]
+
+DEPTHS = (4.0, 8.0, 12.0)  # mm of bulging or depression, by level
+NEAR = 0.12  # canvas units from a silhouette within which a line means it: 30 mm
+_EDGE_ON = 0.2  # cosine of the angle between the handles' normal and the view, below which depth is no direction
+
+
+def gestured(state: State, event: Gesture, modeller: Modeller) -> State:
+    """The state after a gesture that refines the head.
+
+    Raises
+    ------
+    ValueError
+        If the stroke is no gesture, or there is nothing that it could do; the message says why.
+    """
+    name = modeller.gesture(event)
+    if name is None:
+        raise ValueError(f"not a gesture: this stroke is none of {', '.join(GESTURES)}")
+    shown = modeller.head(state)
+    edit = Edit(event.points, event.view_in(shown.frame), shown.layers, state.refinement, modeller)
+    return replace(state, refinement=behaviour(name)(edit))
+
+
+def line(edit: Edit) -> Refinement:
+    """The handles go along in the view plane; without any, the silhouette that is nearest goes where the line is."""
+    if not len(edit.refinement.handles):
+        return _silhouette_to(edit)
+    handles = _seen_handles(edit)
+    vector = edit.in_space(edit.points[-1] - edit.points[0])
+    return edit.deformed(handles, np.tile(vector, (len(handles), 1)))
+
+
+def region(edit: Edit) -> Refinement:
+    """What of the visible surface lies inside becomes the region, with the eyes and teeth that it covers."""
+    chosen = enclosed(edit.points, edit.face.vertices, edit.face.faces, edit.view, edit.modeller.soft)
+    if not chosen.any():
+        raise ValueError("the region contains nothing of the head's surface")
+    for part in edit.modeller.attached:
+        chosen[part.vertices] = chosen[part.leaders].mean() > 0.5
+    return replace(edit.refinement, region=chosen)
+
+
+def bulge(depth: float) -> Behaviour:
+    """The behaviour that moves the handles towards the viewer by so many millimetres, or away from them."""
+
+    def act(edit: Edit) -> Refinement:
+        if not len(edit.refinement.handles):
+            raise ValueError("a roll bulges or depresses what is marked: brush the handles first")
+        handles = _seen_handles(edit)
+        normal = edit.normals[handles].sum(axis=0)
+        if normal @ edit.towards_viewer < _EDGE_ON * max(float(np.linalg.norm(normal)), 1e-9):
+            raise ValueError("the handles are seen edge on in this view: turn the head, so that they face you")
+        return edit.deformed(handles, np.tile(depth * edit.towards_viewer, (len(handles), 1)))
+
+    return act
+
+
+def _seen_handles(edit: Edit) -> np.ndarray:
+    handles = edit.handles
+    if not len(handles):
+        raise ValueError("all handles are outside the region: brush inside it, or draw another region")
+    if not edit.seen(handles).any():
+        raise ValueError("no handle is seen in this view: turn the head to them")
+    return handles
+
+
+def _silhouette_to(edit: Edit) -> Refinement:
+    """Silhouette editing (Nealen et al. 2005)."""
+    faces = edit.modeller.soft_faces
+    chains = silhouettes(edit.face.vertices, faces, edit.view.rotation, edit.movable)
+    drag = nearest_silhouette(edit.points, chains, edit.canvas)
+    if drag is None or drag.distance > NEAR:
+        raise ValueError(
+            "no handles are marked, and no silhouette is near this line: brush handles, or draw beside an outline"
+        )
+    vertices, first = np.unique(drag.vertices, return_index=True)
+    return edit.deformed(vertices, edit.in_space(drag.displacement[first]))
+
+
+_BEHAVIOURS: dict[str, Behaviour] = {
+    LINE: line,
+    REGION: region,
+    **{name: bulge(depth) for name, depth in zip(UP_ROLLS, DEPTHS, strict=True)},
+    **{name: bulge(-depth) for name, depth in zip(DOWN_ROLLS, DEPTHS, strict=True)},
+}
+_RECOGNISERS: dict[str, Recogniser] = {}
+
+
+def register_gesture(name: str, behaviour: Behaviour, recognise: Recogniser | None = None) -> None:
+    """Add a gesture or a tool, or change what one does, in all sessions from now on.
+
+    A session that is replayed needs what it was recorded with.
+
+    Parameters
+    ----------
+    name : str
+        One that is known already gets the new behaviour.
+    behaviour : callable
+        ``behaviour(edit) -> Refinement``; see `Edit`. A ValueError that it raises is told, and nothing is changed.
+    recognise : callable, optional
+        ``recognise(points) -> bool`` tells whether a stroke (n, 2) of canvas points, y down, is this gesture; it is
+        asked before the classifier. Without one, the name is a tool: `Session.gesture(points, tool=name)`.
+
+    Raises
+    ------
+    ValueError
+        If the name is that of an arrow: these undo and redo, whatever was done.
+    """
+    if not isinstance(name, str) or not name or name in (LEFT_ARROW, RIGHT_ARROW):
+        raise ValueError(f"a gesture has a name, which is not {LEFT_ARROW!r} or {RIGHT_ARROW!r}; given {name!r}")
+    _BEHAVIOURS[name] = behaviour
+    _RECOGNISERS.pop(name, None)
+    if recognise is not None:
+        _RECOGNISERS[name] = recognise
+
+
+def behaviour(name: str) -> Behaviour:
+    """What a gesture or a tool does.
+
+    Raises
+    ------
+    ValueError
+        If there is none of that name.
+    """
+    if name not in _BEHAVIOURS:
+        raise ValueError(f"a tool is one of {', '.join(_BEHAVIOURS)}; given {name!r}")
+    return _BEHAVIOURS[name]
+
+
+def recognised(points: np.ndarray) -> str | None:
+    """The name of the first gesture added by users that a stroke is."""
+    return next((name for name, recognise in _RECOGNISERS.items() if recognise(points)), None)
