@@ -175,9 +175,7 @@ class Gesture(Event):
 
     def view_in(self, frame: View) -> View:
         """How the head is seen, where a drawing has it in `frame`."""
-        if isinstance(self.view, View):
-            return self.view
-        return View(View.preset(self.view or "front").rotation, frame.scale, frame.centre)
+        return as_seen(self.view, frame)
 
 
 @dataclass(frozen=True, eq=False)
@@ -253,6 +251,18 @@ def _plain(value: Any) -> Any:
 
 def _decimal(values: np.ndarray) -> Any:
     return np.round(values.astype(np.float64), _VIEW_DECIMALS).tolist()
+
+
+def as_seen(view: View | str | None, frame: View) -> View:
+    """A view as `Gesture` has it: itself, or a preset in the frame of a drawing.
+
+    Raises
+    ------
+    ValueError
+        If it is none.
+    """
+    view = _as_view(view)
+    return view if isinstance(view, View) else View(View.preset(view or "front").rotation, frame.scale, frame.centre)
 
 
 def _as_view(given: Any) -> View | str | None:

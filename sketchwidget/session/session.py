@@ -10,12 +10,15 @@ import numpy as np
 from traitlets import Any as AnyTrait
 from traitlets import Bool, Dict, HasTraits, Instance, Unicode, default
 
+from sketchwidget.geometry.enclosure import brushed
 from sketchwidget.geometry.view import View
-from sketchwidget.sketch import Sketch, textfile
+from sketchwidget.gesture.names import LEFT_ARROW, RIGHT_ARROW
+from sketchwidget.sketch import Sketch, as_stroke, textfile
+from sketchwidget.sketch.erase import as_radius
 
 from . import file, profile
 from .apply import apply
-from .events import Brush, Cancel, Clear, Draw, Erase, Event, Gesture, Mode, Redo, StartFromTemplate, Undo
+from .events import Brush, Cancel, Clear, Draw, Erase, Event, Gesture, Mode, Redo, StartFromTemplate, Undo, as_seen
 from .file import SessionFileError
 from .history import History
 from .layers import Layers
@@ -24,6 +27,7 @@ from .refinement import Refinement
 from .state import State
 
 if TYPE_CHECKING:
+    from sketchwidget.face import Face
     from sketchwidget.inference import FaceRegressor
 
 
@@ -212,6 +216,37 @@ class Session(HasTraits):
         event = Gesture(points, view, tool)
         self._do(event)
         return self._modeller.gesture(event) or ""
+
+    def preview_gesture(self, points: Any, view: View | str | None = None) -> Face | None:
+        """The head that `gesture` would give, for a stroke that is still being drawn; nothing changes.
+
+        Parameters and errors are those of `gesture`. None if it is an arrow.
+        """
+        event = Gesture(points, view)
+        if self._modeller.gesture(event) in (LEFT_ARROW, RIGHT_ARROW):
+            return None
+        return self._modeller.head(apply(self._history.state, event, self._modeller)).face
+
+    def under_brush(self, path: Any, radius: float, view: View | str | None = None) -> np.ndarray:
+        """The vertices (k,) of the visible surface that a brush would mark; pass them to `brush`.
+
+        Parameters
+        ----------
+        path : (n, 2) array-like
+            Where its middle goes, canvas points.
+        radius : float
+            In canvas units, from 0.001 to 1.
+        view : View or str, optional
+            As for `gesture`.
+
+        Raises
+        ------
+        ValueError
+            If the path is no stroke, the radius is out of range, or the view is none.
+        """
+        shown = self._modeller.head(self._history.state)
+        seen, face = as_seen(view, shown.frame), shown.face
+        return brushed(as_stroke(path), as_radius(radius), face.vertices, face.faces, seen, self._modeller.soft)
 
     def brush(self, vertices: Any, erase: bool = False) -> bool:
         """Mark vertices of the head as handles, or unmark them; enters the mode "refine".

@@ -18,10 +18,12 @@ from .download import Downloads
 from .head_view import HeadView
 from .keyboard import Keyboard
 from .pad import Pad
+from .refine_pad import TOOLS as REFINING_TOOLS
+from .refining import EXPECTED, Refining
 from .status import Status, expected_next, said
 
 TOOLS = ("pen", "eraser")
-MODES = ("initial", "followup")
+MODES = ("initial", "followup", "refine")
 VIEWS = ("front", "left", "right", "three-quarter")
 EXPORTS = {"obj": "model/obj", "glb": "model/gltf-binary"}
 SESSION_NAME, SESSION_TYPE = "drawing.jsonl", "application/jsonl"
@@ -53,7 +55,7 @@ class Studio(VBox):
         self._status = Status()
         self._downloads = Downloads()
         self._side = "front"  # the view that the pad shows: in follow-up sketching also the profile's
-        self._shown: tuple[Any, ...] = (None,) * 5  # what of the session is on show
+        self._shown: tuple[Any, ...] = (None,) * 7  # what of the session is on show
         self._loaded: tuple[Session, Session, int] | None = None  # former, loaded, and the latter's number of events
         super().__init__()
         self.children = self._layout()
@@ -106,9 +108,12 @@ class Studio(VBox):
         pad_bar = toolbar.bar((self._tools,), edits, (self._mirror, self._ghost, self._live))
         drawing = _classed(VBox([pad_bar, self._pad.widget]), "sketchwidget-panel")
         head_bar = _classed(toolbar.bar(tuple(views)), "sketchwidget-views")
-        head = _classed(VBox([head_bar, self._head.widget]), "sketchwidget-panel")
+        self._refining = Refining(lambda: self.session, self._head, self._status)
+        head_bars = Box([head_bar, self._refining.bar])
+        head = _classed(VBox([head_bars, self._head.widget, self._refining.chart]), "sketchwidget-panel")
         desk = _classed(Box([drawing, head]), "sketchwidget-desk")
-        return [title, desk, self._status, self._downloads, Keyboard(bindings=toolbar.bindings(TOOLS, MODES))]
+        keyboard = Keyboard(bindings=toolbar.bindings(TOOLS, MODES, REFINING_TOOLS))
+        return [title, desk, self._status, self._downloads, keyboard, self._refining.pad]
 
     # -- the session, shown --------------------------------------------------------------------------------------------
 
@@ -124,6 +129,7 @@ class Studio(VBox):
         # There is one call a trait, but the session sets all of them before it tells of any: the first shows the whole.
         session = self.session
         state = (session.sketch, self._face, session.frame, session.timings, session.gap)
+        state += (session.mode, session.refinement)
         if any(new is not old for new, old in zip(state, self._shown, strict=True)):
             self._shown = state
             with self._status.reporting("The Studio could not show the change"):
@@ -135,9 +141,11 @@ class Studio(VBox):
             self._side = "front"
         self._show_head()
         self._show_drawing()
+        self._refining.show()
         toolbar.set_useful(self._undo, session.can_undo or self._just_loaded)
         toolbar.set_useful(self._redo, session.can_redo)
-        toolbar.set_useful(self._clear, bool(len(session.sketch)))
+        marked = len(session.handles) or session.refinement.region is not None
+        toolbar.set_useful(self._clear, bool(marked if session.mode == "refine" else len(session.sketch)))
         toolbar.set_useful(self._cancel, session.gap is not None)
         self._mode.value = session.mode if session.mode in MODES else None
         self._status.show_figures(session.mode, session.timings)
@@ -155,6 +163,8 @@ class Studio(VBox):
 
     @property
     def _expected(self) -> str:
+        if self.session.mode == "refine":
+            return EXPECTED
         if self._side != "front":
             return "Draw beside the profile to drag it."
         return expected_next(self.session.sketch, self.session.mode, self.session.gap)
@@ -220,7 +230,8 @@ class Studio(VBox):
     def _on_clear(self) -> None:
         with self._status.reporting("The drawing could not be cleared"):
             self.session.clear()
-            self._status.say("Cleared; undo brings the drawing back.", self._expected)
+            what = "marks" if self.session.mode == "refine" else "drawing"
+            self._status.say(f"Cleared; undo brings the {what} back.", self._expected)
 
     def _on_cancel(self) -> None:
         with self._status.reporting("What was erased could not be put back"):

@@ -1,0 +1,252 @@
+/* A pad over the head of the same Studio: brushes, gestures, and what they marked.
+ *
+ * Model   tool: 0 gesture, 1 brush, 2 unbrush, 3 orbit; active: whether the pad takes the pointer; radius of the brushes in
+ *         canvas units (the view of the head is the unit square, y down).
+ * Sends   {type: "ready"} when the marks must be sent;
+ *         {type: "stroke" | "partial", stroke: id, tool, view: {rotation, scale, centre}} with one buffer: Float32 (n, 4) x, y,
+ *         pressure, milliseconds. `view` is how the head was seen when the stroke began. A partial one is a gesture so far; none
+ *         is sent before the last was answered.
+ * Takes   {type: "answer", stroke: id, text, good}: a stroke was answered; its ink goes, and the text, if any, flashes beside it;
+ *         {type: "marks"} with two buffers: Int32 handles (h), and Int32 edges (e, 2) of the region's border.
+ * Class   "sketchwidget-drawing" on the head's element while the pen is down, "sketchwidget-refining" while the pad is active.
+ *
+ * The right button and a drag with Alt turn the head whatever the tool: the controls of the view get them as a plain drag.
+ */
+
+const ORBIT = 3;
+const FLASH = 1800; // milliseconds
+const PARTIAL_EVERY = 1000 / 15;
+const HANDLE = "#0b8f7f";
+const REGION = "#c2410c";
+const INK = "#444444";
+
+/** The View of a three.js camera whose frame is the unit square: see geometry/view.py. */
+function viewOf(camera) {
+  camera.updateMatrixWorld();
+  const m = camera.matrixWorld.elements;
+  const rotation = [0, 4, 8].map((at) => [m[at], m[at + 1], m[at + 2]]);
+  const place = [m[12], m[13], m[14]];
+  const along = (axis) => axis.reduce((sum, value, at) => sum + value * place[at], 0);
+  const { left, right, top, bottom, zoom } = camera;
+  const scale = zoom / (right - left);
+  const centre = [0.5 - (along(rotation[0]) + (left + right) / 2) * scale, 0.5 + (along(rotation[1]) + (top + bottom) / 2) * scale];
+  return { rotation, scale, centre };
+}
+
+function render({ model, el }) {
+  el.style.display = "none";
+  const page = Math.random().toString(36).slice(2);
+  const ink = document.createElement("canvas");
+  const flash = document.createElement("div");
+  ink.className = "sketchwidget-marks";
+  flash.className = "sketchwidget-flash";
+  let host = null;
+  let count = 0;
+  let stroke = null; // the one being drawn: {id, pointer, tool, view, points, start}
+  let last = null; // the one that was sent, until it is answered
+  let asked = null; // the stroke of which a part waits for its answer
+  let lastAsked = 0;
+  let handles = new Int32Array();
+  let border = new Int32Array();
+  let drawn = "";
+  let frame = 0;
+  let fading = 0;
+
+  function point(event) {
+    const box = host.getBoundingClientRect();
+    return [(event.clientX - box.left) / box.width, (event.clientY - box.top) / box.height];
+  }
+
+  /** Projects vertices, and tells which of them face the viewer. */
+  function projector(view) {
+    const position = host.sketchwidget.geometry.getAttribute("position").array;
+    const normal = host.sketchwidget.geometry.getAttribute("normal")?.array;
+    const [x, y, z] = view.rotation;
+    const dot = (axis, array, at) => axis[0] * array[at] + axis[1] * array[at + 1] + axis[2] * array[at + 2];
+    return (vertex) => {
+      const at = 3 * vertex;
+      const facing = !normal || dot(z, normal, at) > 0;
+      return [view.centre[0] + view.scale * dot(x, position, at), view.centre[1] - view.scale * dot(y, position, at), facing];
+    };
+  }
+
+  function paint() {
+    const size = Math.round(host.clientWidth * (window.devicePixelRatio || 1));
+    if (ink.width !== size) ink.width = ink.height = size;
+    const ctx = ink.getContext("2d");
+    ctx.clearRect(0, 0, size, size);
+    const project = projector(viewOf(host.sketchwidget.camera));
+    ctx.lineCap = ctx.lineJoin = "round";
+    ctx.lineWidth = 0.004 * size;
+    ctx.strokeStyle = REGION;
+    ctx.beginPath();
+    for (let edge = 0; edge + 1 < border.length; edge += 2) {
+      const [ax, ay, a] = project(border[edge]);
+      const [bx, by, b] = project(border[edge + 1]);
+      if (!a || !b) continue;
+      ctx.moveTo(ax * size, ay * size);
+      ctx.lineTo(bx * size, by * size);
+    }
+    ctx.stroke();
+    ctx.fillStyle = HANDLE;
+    for (const vertex of handles) {
+      const [x, y, facing] = project(vertex);
+      if (facing) ctx.fillRect((x - 0.004) * size, (y - 0.004) * size, 0.008 * size, 0.008 * size);
+    }
+    for (const one of [last, stroke]) if (one) trace(ctx, one, size);
+  }
+
+  function trace(ctx, { tool, points }, size) {
+    ctx.globalAlpha = tool === 0 ? 1 : 0.3;
+    ctx.strokeStyle = tool === 0 ? INK : tool === 1 ? HANDLE : "#888888";
+    ctx.lineWidth = (tool === 0 ? 0.006 : 2 * model.get("radius")) * size;
+    ctx.beginPath();
+    points.forEach(([x, y], at) => (at ? ctx.lineTo(x * size, y * size) : ctx.moveTo(x * size, y * size)));
+    if (points.length === 1) ctx.lineTo(points[0][0] * size, points[0][1] * size);
+    ctx.stroke();
+    ctx.globalAlpha = 1;
+  }
+
+  /** While the pad is active: paints again whatever has changed, the camera included. */
+  function watch() {
+    frame = model.get("active") && host?.isConnected ? requestAnimationFrame(watch) : 0;
+    if (!host?.sketchwidget) return;
+    const { camera, serial } = host.sketchwidget;
+    const state = [serial, host.clientWidth, camera.zoom, camera.left, camera.top, ...camera.matrixWorld.elements, handles.length,
+      border.length, stroke?.points.length, last?.id].join();
+    if (state === drawn) return;
+    drawn = state;
+    paint();
+  }
+
+  const message = (type, { id, tool, view, points }) =>
+    model.send({ type, stroke: id, tool, view }, undefined, [Float32Array.from(points.flat()).buffer]);
+
+  function add(event) {
+    const samples = event.getCoalescedEvents?.() ?? [];
+    for (const one of samples.length ? samples : [event]) stroke.points.push([...point(one), one.pressure, one.timeStamp - stroke.start]);
+  }
+
+  const turns = (event) => !model.get("active") || model.get("tool") === ORBIT || event.button === 2 || event.altKey;
+
+  function down(event) {
+    if (turns(event) || stroke || !event.isPrimary || event.button !== 0 || !host.sketchwidget) return;
+    event.preventDefault(); // no mouse event follows, and the controls of the view see none
+    event.stopImmediatePropagation();
+    host.setPointerCapture(event.pointerId);
+    host.focus({ preventScroll: true });
+    host.classList.add("sketchwidget-drawing");
+    stroke = { id: `${page}-${count++}`, pointer: event.pointerId, tool: model.get("tool"), points: [], start: event.timeStamp,
+      view: viewOf(host.sketchwidget.camera) };
+    add(event);
+  }
+
+  function move(event) {
+    if (event.pointerId !== stroke?.pointer) return;
+    event.stopImmediatePropagation();
+    add(event);
+    const now = performance.now();
+    if (stroke.tool || asked !== null || now - lastAsked < PARTIAL_EVERY || stroke.points.length < 8) return;
+    asked = stroke.id;
+    lastAsked = now;
+    message("partial", stroke);
+  }
+
+  function up(event) {
+    if (event.pointerId !== stroke?.pointer) return;
+    event.stopImmediatePropagation();
+    host.classList.remove("sketchwidget-drawing");
+    last = stroke;
+    stroke = null;
+    message("stroke", last);
+  }
+
+  function cancel(event) {
+    if (event.pointerId !== stroke?.pointer) return;
+    host.classList.remove("sketchwidget-drawing");
+    stroke = null;
+    model.send({ type: "cancelled" });
+  }
+
+  /** Touches are the pen's as well: the controls would turn the head under it. */
+  function touch(event) {
+    if (!model.get("active") || model.get("tool") === ORBIT) return;
+    event.preventDefault();
+    event.stopImmediatePropagation();
+  }
+
+  /** The right button and Alt as a plain drag, which is how the controls turn the head. */
+  function press(event) {
+    if (!model.get("active") || !event.isTrusted || (event.button !== 2 && !event.altKey)) return;
+    event.preventDefault();
+    event.stopImmediatePropagation();
+    const { clientX, clientY, view } = event;
+    event.target.dispatchEvent(new MouseEvent("mousedown", { bubbles: true, cancelable: true, clientX, clientY, view, button: 0 }));
+  }
+
+  function answer(said, buffers) {
+    if (said.type === "marks") {
+      [handles, border] = buffers.map((one) => new Int32Array(one.buffer.slice(one.byteOffset, one.byteOffset + one.byteLength)));
+      drawn = "";
+    } else if (said.type === "answer") {
+      if (said.stroke === asked) asked = null;
+      if (said.stroke !== last?.id || said.partial) return;
+      const [x, y] = last.points[last.points.length - 1];
+      last = null;
+      show(said, x, y);
+    }
+  }
+
+  function show({ text, good }, x, y) {
+    if (!text) return;
+    flash.textContent = text;
+    flash.classList.toggle("sketchwidget-error", !good);
+    flash.style.left = `${100 * Math.min(0.7, Math.max(0.02, x))}%`;
+    flash.style.top = `${100 * Math.min(0.9, Math.max(0.02, y + 0.02))}%`;
+    flash.hidden = false;
+    clearTimeout(fading);
+    fading = setTimeout(() => (flash.hidden = true), FLASH);
+  }
+
+  function activate() {
+    if (!host) return;
+    const active = model.get("active");
+    host.classList.toggle("sketchwidget-refining", active && model.get("tool") !== ORBIT);
+    ink.hidden = !active;
+    if (!active) flash.hidden = true;
+    drawn = "";
+    if (active && !frame) watch();
+  }
+
+  const LISTENERS = { pointerdown: down, pointermove: move, pointerup: up, pointercancel: cancel, touchstart: touch, touchmove: touch, mousedown: press };
+
+  /** The head's view comes in its own time. */
+  function attach() {
+    host = el.closest(".sketchwidget-studio")?.querySelector(".sketchwidget-head") ?? null;
+    if (!host) {
+      waiting = requestAnimationFrame(attach);
+      return;
+    }
+    host.append(ink, flash);
+    flash.hidden = true;
+    for (const [type, listener] of Object.entries(LISTENERS)) host.addEventListener(type, listener, { capture: true, passive: false });
+    activate();
+    model.send({ type: "ready" });
+  }
+
+  let waiting = requestAnimationFrame(attach);
+  model.on("msg:custom", answer);
+  model.on("change:active change:tool", activate);
+
+  return () => {
+    cancelAnimationFrame(waiting);
+    cancelAnimationFrame(frame);
+    for (const [type, listener] of Object.entries(LISTENERS)) host?.removeEventListener(type, listener, { capture: true });
+    model.off("msg:custom", answer);
+    model.off("change:active change:tool", activate);
+    ink.remove();
+    flash.remove();
+  };
+}
+
+export default { render };

@@ -1,0 +1,141 @@
+"""The refinement mode of the Studio: tools over the head, what strokes there do, and a chart of the gestures."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from contextlib import suppress
+from typing import Any
+
+import numpy as np
+from ipywidgets import HTML, jslink
+
+from ..geometry import View
+from ..gesture import GESTURES
+from ..gesture.shapes import EXAMPLES
+from ..session import Session
+from . import toolbar
+from .head_view import HeadView
+from .refine_pad import TOOLS, RefinePad
+from .status import Status
+
+EXPECTED = "Brush handles, then draw a gesture on the head; the right button turns it."
+EFFECTS = {
+    "line": "moves the handles; without any, drags the outline",
+    "region": "bounds what may move",
+    "left arrow": "undo",
+    "right arrow": "redo",
+    **{f"up roll {level}": f"bulges the handles, level {level}" for level in (1, 2, 3)},
+    **{f"down roll {level}": f"depresses the handles, level {level}" for level in (1, 2, 3)},
+}
+
+
+class Refining:
+    """What the Studio has on the page while its session is refined.
+
+    Parameters
+    ----------
+    session_of : callable
+        Gives the session on show.
+    head : HeadView
+        The head that the pad lies over.
+    status : Status
+
+    Attributes
+    ----------
+    bar, chart : widgets
+        Tools and the chart of gestures; shown in the mode "refine" only.
+    pad : RefinePad
+    """
+
+    def __init__(self, session_of: Callable[[], Session], head: HeadView, status: Status) -> None:
+        self._session_of, self._head, self._status = session_of, head, status
+        self._shown: Any = None
+        self.pad = RefinePad()
+        self._tools = toolbar.choice(*TOOLS)
+        self._help = toolbar.toggle("chart")
+        self.bar = toolbar.bar((self._tools,), (self._help,))
+        self.chart = HTML(chart())
+        self.chart.add_class("sketchwidget-chart")
+        # Linked in the browser, as the tools of the drawing pad are.
+        jslink((self._tools, "index"), (self.pad, "tool"))
+        self._help.observe(lambda _: self._show_chart(), "value")
+        self.pad.on_stroke(self._on_stroke)
+        self.pad.on_partial(self._on_partial)
+        self.pad.on_cancel(self._show_head)
+        self.bar.layout.display = self.chart.layout.display = "none"
+
+    def show(self) -> None:
+        """Show the marks of the session, if it is being refined."""
+        session = self._session_of()
+        active = session.mode == "refine"
+        self.pad.active = active
+        self.bar.layout.display = "" if active else "none"
+        self._show_chart()
+        if active and session.refinement is not self._shown:
+            self._shown = session.refinement
+            region = session.refinement.region
+            border = np.empty((0, 2), dtype=np.int32) if region is None else border_of(region, session.face.faces)
+            self.pad.show(session.handles, border)
+
+    def _show_chart(self) -> None:
+        wanted = self._session_of().mode == "refine" and self._help.value
+        self.chart.layout.display = "" if wanted else "none"
+
+    def _show_head(self) -> None:
+        session = self._session_of()
+        self._head.show(session.face, session.frame)
+
+    def _on_stroke(self, points: np.ndarray, tool: str, view: View) -> None:
+        session = self._session_of()
+        before = session.face
+        with self._status.reporting("Nothing was changed"):
+            try:
+                happened = self._did(session, points, tool, view)
+            except ValueError as error:
+                self.pad.flash(str(error).partition(":")[0], good=False)
+                raise
+            self.pad.flash(happened)
+            self._status.say(happened + ".", EXPECTED)
+        if session.face is before:  # the head may have followed what came to nothing
+            self._show_head()
+
+    def _did(self, session: Session, points: np.ndarray, tool: str, view: View) -> str:
+        if tool == "gesture":
+            name = session.gesture(points, view)
+            return f"{name}: {EFFECTS[name]}" if name in EFFECTS else name
+        marks = session.under_brush(points, self.pad.radius, view)
+        if not len(marks):
+            raise ValueError("the brush touched nothing of the head that deforms")
+        changed = session.brush(marks, erase=tool == "unbrush")
+        count = len(session.handles)
+        return f"{count} handle{'' if count == 1 else 's'} marked" if changed else "No other handles"
+
+    def _on_partial(self, points: np.ndarray, view: View) -> None:
+        with suppress(ValueError):  # what is no gesture yet may become one; what fails is told when the stroke ends
+            face = self._session_of().preview_gesture(points, view)
+            if face is not None:
+                self._head.show(face, self._session_of().frame, passing=True)
+
+
+def border_of(region: np.ndarray, faces: np.ndarray) -> np.ndarray:
+    """The edges (e, 2) int32 about the triangles of a region (V,) bool."""
+    inside = faces[region[faces].all(axis=1)]
+    sides = np.sort(inside[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)
+    edges, count = np.unique(sides, axis=0, return_counts=True)
+    return edges[count == 1].astype(np.int32)
+
+
+def chart() -> str:
+    """The gestures and what they do, as a page's markup (after Figure 4 of the paper)."""
+    return "".join(f"<figure>{_drawn(name)}<figcaption>{name}</figcaption></figure>" for name in GESTURES)
+
+
+def _drawn(name: str) -> str:
+    shape = EXAMPLES[name]
+    low, high = shape.min(axis=0), shape.max(axis=0)
+    points = 24 + (shape - (low + high) / 2) * 40 / (high - low).max()
+    path = " ".join(f"{x:.1f},{y:.1f}" for x, y in points)
+    return (
+        f'<svg viewBox="0 0 48 48" role="img" aria-label="{name}"><title>{name}: {EFFECTS[name]}</title>'
+        f'<polyline points="{path}"/><circle cx="{points[0, 0]:.1f}" cy="{points[0, 1]:.1f}" r="2.4"/></svg>'
+    )

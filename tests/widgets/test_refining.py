@@ -1,0 +1,110 @@
+"""The refinement mode of the Studio, without a page."""
+
+import numpy as np
+import pytest
+from refining import about, drawn
+
+from sketchwidget import GESTURES, Session, Studio, View
+from sketchwidget.widgets.refine_pad import TOOLS, RefinePad
+from sketchwidget.widgets.refining import border_of, chart
+
+FRONT = View()
+
+
+@pytest.fixture(scope="module")
+def head():
+    return Session(inference=False).face
+
+
+@pytest.fixture
+def studio():
+    studio = Studio(Session(inference=False))
+    studio.session.mode = "refine"
+    return studio
+
+
+def message(studio, points, tool="gesture", view=FRONT, kind="stroke"):
+    """What a page sends for a stroke; what it is sent in answer."""
+    pad, sent = studio._refining.pad, []
+    pad.send = lambda content, buffers=None: sent.append(content)
+    points = np.asarray(points, dtype="<f4")
+    whole = np.concatenate([points, np.zeros((len(points), 2), dtype="<f4")], axis=1)
+    seen = {"rotation": view.rotation.tolist(), "scale": view.scale, "centre": view.centre.tolist()}
+    content = {"type": kind, "stroke": "a", "tool": TOOLS.index(tool), "view": seen}
+    pad._handle_custom_msg(content, [memoryview(whole.tobytes())])
+    return next(one for one in sent if one["type"] == "answer")
+
+
+def nose(studio):
+    return FRONT.project(studio.session.face.landmarks[30])
+
+
+def test_the_tools_are_there_while_the_head_is_refined(studio):
+    refining = studio._refining
+    assert refining.pad.active and refining.bar.layout.display == ""
+    studio.session.mode = "initial"
+    assert not refining.pad.active and refining.bar.layout.display == "none"
+
+
+def test_the_brush_marks_and_unmarks_what_it_touches(studio):
+    middle = nose(studio)
+    answer = message(studio, [middle, middle + 0.001], "brush")
+    handles = studio.session.handles
+    assert answer["good"] and answer["text"] == f"{len(handles)} handles marked"
+    canvas = FRONT.project(studio.session.face.vertices)
+    assert len(handles) and np.linalg.norm(canvas[handles] - middle, axis=1).max() < 0.022
+    assert studio._refining.pad._marks[0].tolist() == handles.tolist()
+    message(studio, [middle, middle + 0.001], "unbrush")
+    assert not len(studio.session.handles)
+
+
+def test_a_gesture_flashes_its_name_and_moves_the_head(studio):
+    studio.session.brush(about(studio.session.face, 30, 6))
+    before = studio.session.face.landmarks[30, 2]
+    answer = message(studio, drawn("up roll 2", nose(studio)))
+    assert answer["text"].startswith("up roll 2") and answer["good"]
+    assert studio.session.face.landmarks[30, 2] > before + 5
+    answer = message(studio, drawn("left arrow", nose(studio)))
+    assert answer["text"] == "left arrow: undo"
+    assert studio.session.face.landmarks[30, 2] == before
+
+
+def test_a_region_s_border_is_shown(studio):
+    message(studio, drawn("region", nose(studio), 0.2))
+    border = studio._refining.pad._marks[1]
+    assert len(border) > 10 and np.isin(border, studio.session.region).all()
+
+
+def test_what_fails_flashes_and_is_told_and_changes_nothing(studio):
+    face, events = studio.session.face, studio.session.events
+    answer = message(studio, np.random.default_rng(0).random((40, 2)))
+    assert not answer["good"] and answer["text"] == "not a gesture"
+    assert studio._status.message.startswith("Nothing was changed: Not a gesture")
+    assert not message(studio, [[0.01, 0.01], [0.02, 0.01]], "brush")["good"]
+    assert studio.session.face is face and studio.session.events == events
+
+
+def test_a_gesture_is_followed_while_it_is_drawn(studio):
+    studio.session.brush(about(studio.session.face, 30, 6))
+    shown = []
+    studio._head.show = lambda face, frame, passing=False: shown.append((face, passing))
+    face = studio.session.face
+    line = np.linspace(nose(studio), nose(studio) - np.array([0, 0.04]), 20)
+    message(studio, line, kind="partial")
+    (preview, passing), *_ = shown
+    assert passing and preview.landmarks[30, 1] > face.landmarks[30, 1] + 9
+    assert studio.session.face is face
+
+
+def test_the_border_of_two_triangles_is_their_outline():
+    faces = np.array([[0, 1, 2], [1, 3, 2], [3, 4, 2]])
+    region = np.array([True, True, True, True, False])
+    assert border_of(region, faces).tolist() == [[0, 1], [0, 2], [1, 3], [2, 3]]
+
+
+def test_the_chart_shows_every_gesture():
+    assert all(f"<figcaption>{name}</figcaption>" in chart() for name in GESTURES)
+
+
+def test_a_message_of_no_kind_is_passed_over():
+    RefinePad()._handle_custom_msg({"type": "else"}, [])
