@@ -57,6 +57,17 @@ def test_export_keeps_colours(model):
     np.testing.assert_allclose(loaded.visual.vertex_colors[:, :3] / 255, model.colors, atol=1 / 255)
 
 
+def test_a_picture_takes_colours_by_vertex(model):
+    face = model.face()
+    half = np.where(face.vertices[:, :1] > 0, [0.0, 0, 1], [1.0, 0, 0])  # the subject's left is the viewer's right
+    shown = face.picture(size=64, colors=half)
+    red, blue = shown[32, 24:30], shown[32, 34:40]
+    assert (red[:, 0] > 0).all() and (red[:, 2] == 0).all() and (blue[:, 2] > 0).all() and (blue[:, 0] == 0).all()
+    np.testing.assert_array_equal(face.picture(size=64), face.picture(size=64, colors=model.colors))
+    with pytest.raises(ValueError, match=r"given an array of shape \(3,\)"):
+        face.picture(colors=[1.0, 0, 0])
+
+
 def test_other_formats_and_shapes_are_refused(model, tmp_path):
     with pytest.raises(ValueError, match="'fbx'"):
         model.face().export(tmp_path / "head.fbx")

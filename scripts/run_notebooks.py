@@ -1,0 +1,40 @@
+"""Runs notebooks from top to bottom and keeps their outputs, without what says nothing to a reader.
+
+python scripts/run_notebooks.py notebooks/02_bilinear_model.ipynb ...
+"""
+
+from __future__ import annotations
+
+import sys
+import tempfile
+from pathlib import Path
+
+import nbformat
+from nbclient import NotebookClient
+
+CELL_TIMEOUT = 1800  # seconds
+
+
+def run(path: Path) -> None:
+    """Run a notebook in a folder of its own and write it back.
+
+    Dropped are progress bars and warnings, times and widgets' states; pictures that come in two formats stay as JPEG.
+    """
+    notebook = nbformat.read(path, as_version=4)
+    with tempfile.TemporaryDirectory() as folder:
+        NotebookClient(notebook, timeout=CELL_TIMEOUT, resources={"metadata": {"path": folder}}).execute()
+    notebook.metadata.pop("widgets", None)
+    for cell in notebook.cells:
+        cell.metadata = {}
+        if cell.cell_type != "code":
+            continue
+        cell.outputs = [output for output in cell.outputs if output.get("name") != "stderr"]
+        for output in cell.outputs:
+            if "image/jpeg" in output.get("data", {}):
+                output.data.pop("image/png", None)
+    nbformat.write(notebook, path)
+
+
+if __name__ == "__main__":
+    for name in sys.argv[1:]:
+        run(Path(name))
