@@ -28,7 +28,7 @@ def choice(*names: str) -> ToggleButtons:
     commands = [COMMANDS[name] for name in names]
     made = ToggleButtons(
         options=[(command.label or command.name, command.name) for command in commands],
-        icons=[command.icon for command in commands],
+        icons=[command.icon for command in commands if command.icon],
         tooltips=[command.tooltip for command in commands],
     )
     made.add_class(f"sketchwidget-choice-{names[0]}")
