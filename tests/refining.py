@@ -1,15 +1,13 @@
-"""Gestures on a head of the shipped model, without a network for its shape."""
+"""Gestures on a head, for tests."""
 
 import numpy as np
 
-from sketchwidget.gesture.shapes import EXAMPLES
+from sketchwidget.gesture.shapes import example
 
 
 def drawn(name, middle, size=0.15):
     """An example of a gesture about a place of the canvas."""
-    shape = EXAMPLES[name]
-    low, high = shape.min(axis=0), shape.max(axis=0)
-    return middle + (shape - (low + high) / 2) * size / (high - low).max()
+    return example(name, middle, size)
 
 
 def stroke(start, end):

@@ -126,3 +126,16 @@ EXAMPLES = {
     **{f"up roll {n}": roll(n) for n in (1, 2, 3)},
     **{f"down roll {n}": roll(n) * [1, -1] for n in (1, 2, 3)},
 }
+
+
+def example(name: str, middle: np.ndarray, size: float) -> np.ndarray:
+    """The example (n, 2) of a gesture about a place, its longer side so long.
+
+    Raises
+    ------
+    KeyError
+        If there is no such gesture.
+    """
+    shape = EXAMPLES[name]
+    low, high = shape.min(axis=0), shape.max(axis=0)
+    return np.asarray(middle) + (shape - (low + high) / 2) * size / (high - low).max()

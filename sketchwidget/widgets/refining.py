@@ -11,7 +11,7 @@ from ipywidgets import HTML, jslink
 
 from ..geometry import View
 from ..gesture import GESTURES
-from ..gesture.shapes import EXAMPLES
+from ..gesture.shapes import example
 from ..session import Session
 from . import toolbar
 from .head_view import HeadView
@@ -131,9 +131,7 @@ def chart() -> str:
 
 
 def _drawn(name: str) -> str:
-    shape = EXAMPLES[name]
-    low, high = shape.min(axis=0), shape.max(axis=0)
-    points = 24 + (shape - (low + high) / 2) * 40 / (high - low).max()
+    points = example(name, np.array([24, 24]), 40)
     path = " ".join(f"{x:.1f},{y:.1f}" for x, y in points)
     return (
         f'<svg viewBox="0 0 48 48" role="img" aria-label="{name}"><title>{name}: {EFFECTS[name]}</title>'

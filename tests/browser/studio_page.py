@@ -80,6 +80,17 @@ class StudioPage:
             self.page.mouse.move(*self.on_screen(point))
         self.page.mouse.up(button=button)
 
+    def draw_on_head(self, points: Iterable[Iterable[float]], button: str = "left") -> None:
+        """Draw with the mouse over the head; points of the unit square that it is seen in."""
+        box = self.head.bounding_box()
+        assert box is not None
+        first, *others = [(box["x"] + float(x) * box["width"], box["y"] + float(y) * box["height"]) for x, y in points]
+        self.page.mouse.move(*first)
+        self.page.mouse.down(button=button)
+        for point in others:
+            self.page.mouse.move(*point)
+        self.page.mouse.up(button=button)
+
     def press(self, keys: str) -> None:
         """Press keys with the pointer over the pad."""
         self.pad.hover()
