@@ -69,8 +69,9 @@ def main() -> None:
     parser.add_argument("--faces", type=int, default=60)
     arguments = parser.parse_args()
     database, regressor = sw.FaceDatabase.open(arguments.database), sw.FaceRegressor.load()
-    _, unseen = database.split("identity")
-    numbers = np.random.default_rng(0).choice(unseen, arguments.faces, replace=False)
+    if regressor.database != database.sum:
+        parser.error("the shipped network was trained on another database: whom of this one it met is not known")
+    numbers = Pipeline(database, Path("runs")).unseen("identity", arguments.faces)
     skin = regressor.model.template.fine_parts == PARTS.index("skin")
     rows, pictures = [], []
     for number in tqdm(numbers, unit="face"):
