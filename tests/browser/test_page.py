@@ -10,7 +10,7 @@ import pytest
 import trimesh
 from studio_page import OVAL, StudioPage, settled, until
 
-BUTTONS = 20
+BUTTONS = 26
 
 
 def drawn(studio: StudioPage) -> int:
