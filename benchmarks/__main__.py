@@ -26,6 +26,8 @@ def main() -> None:
         ("a piece of a line redrawn in follow-up sketching", f"{in_kernel['followup']:.1f} ms"),
         ("pen-up to updated frame, median", f"{in_page['head']['median']:.0f} ms"),
         ("pen-up to updated frame, 95th percentile", f"{in_page['head']['p95']:.0f} ms", "150 ms"),
+        ("the same in follow-up sketching, median", f"{in_page['followup']['median']:.0f} ms"),
+        ("the same in follow-up sketching, 95th percentile", f"{in_page['followup']['p95']:.0f} ms", "150 ms"),
         ("pointer event to ink, median", f"{in_page['ink']['median']:.1f} ms"),
         ("pointer event to ink, 95th percentile", f"{in_page['ink']['p95']:.1f} ms", "16 ms"),
         ("`import sketchwidget`", f"{in_kernel['import']:.0f} ms", "1 s"),

@@ -22,10 +22,14 @@ from typing import Any
 import numpy as np
 from playwright.sync_api import sync_playwright
 
+import sketchwidget as sw
+from sketchwidget.face.drawing import editable
+from sketchwidget.geometry import View
+
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests" / "browser"))
 
 from jupyter_page import launch_chromium, open_in_lab, serve, write_notebook
-from studio_page import OVAL, StudioPage
+from studio_page import OVAL, StudioPage, until
 
 POINTER_RATE = 120.0  # samples a second, a usual pen's
 LISTEN = """() => {
@@ -54,8 +58,8 @@ def measure(strokes: int = 30) -> dict[str, Any]:
     Returns
     -------
     dict
-        ``"ink"`` and ``"head"``, each with ``"median"`` and ``"p95"`` in milliseconds and the ``"count"`` of samples;
-        ``"shown"`` in seconds.
+        ``"ink"``, ``"head"`` and ``"followup"``, the head in follow-up sketching, each with ``"median"`` and ``"p95"``
+        in milliseconds and the ``"count"`` of samples; ``"shown"`` in seconds.
     """
     with tempfile.TemporaryDirectory() as folder, sync_playwright() as playwright:
         notebook = write_notebook(Path(folder), "studio", "import sketchwidget as sw\nsw.Studio()")
@@ -72,8 +76,27 @@ def measure(strokes: int = 30) -> dict[str, Any]:
                 shift = 0.1 * np.sin(number), 0.1 * np.cos(number)
                 _draw(studio, 0.5 + 0.15 * (OVAL[:12] - 0.5) + shift)
             measured = page.evaluate("window.settle() || window.measured")
+            measured["followup"] = _redrawn(studio, strokes)
         browser.close()
     return {name: _summary(values) for name, values in measured.items()} | {"shown": round(shown, 1)}
+
+
+def _redrawn(studio: StudioPage, strokes: int) -> list[float]:
+    """A piece of a brow erased and drawn anew, again and again: from each stroke's end to the head that obeys it."""
+    studio.press("t")
+    until(lambda: studio.message, lambda said: said.startswith("These are the lines"), "the lines of the template")
+    model = sw.FaceModel.load()
+    piece = editable(model.template, model.mean, View()).lines["left_brow"][0].astype(float)
+    drawn = piece
+    studio.page.evaluate("window.settle(); window.measured.head = []")
+    for number in range(strokes):
+        studio.press("e")
+        studio.draw([drawn[len(drawn) // 2]])
+        until(lambda: studio.message, lambda said: said.startswith("Erased."), "the word of the eraser")
+        studio.press("p")
+        drawn = piece - [0, 0.03 + 0.015 * np.sin(number)]
+        _draw(studio, drawn)
+    return studio.page.evaluate("window.settle() || window.measured.head")
 
 
 def _draw(studio: StudioPage, points: np.ndarray) -> None:

@@ -23,6 +23,7 @@ from sketchwidget.face.template import PARTS
 from sketchwidget.geometry import View
 from sketchwidget.session import Session
 from sketchwidget.sketch import SILHOUETTE, WRINKLE, resample
+from sketchwidget.training.pipeline import Pipeline
 
 HERE = Path(__file__).parent
 TABLE, PICTURE = HERE / "FOLLOWUP.md", HERE / "followup.png"
