@@ -17,6 +17,9 @@ from typing import Any
 import numpy as np
 
 import sketchwidget as sw
+from sketchwidget.geometry.region_deformation import RegionDeformation
+from sketchwidget.gesture.shapes import example
+from sketchwidget.gesture.writers import Writer
 
 _DRAWING = Path(__file__).parents[1] / "docs" / "freehand" / "04_calm.json"  # a whole face, ears too
 
@@ -41,6 +44,7 @@ def measure(repeat: int = 100) -> dict[str, Any]:
         "mesh": _median(lambda: regressor.model.vertices(identity[0], expression[0]), repeat),
         "inference": _median(lambda: regressor.infer(sketch), repeat),
         "session": _stroke(regressor, repeat),
+        **_refinement(),
         "deformation": _deformation(regressor, repeat),
         "followup": _redrawing(regressor, repeat),
         "memory": int(subprocess.check_output([sys.executable, "-c", _MEMORY])) / 1024,
@@ -68,6 +72,33 @@ def _stroke(regressor: sw.FaceRegressor, repeat: int) -> float:
         session.undo()
 
     return _median(step, repeat // 2) / 2
+
+
+def _refinement() -> dict[str, float]:
+    """A gesture told from the others; a region of the head deformed by handles, once it is factored."""
+    stroke = Writer.random(3_000).draw("up roll 3", np.random.default_rng(0))
+    classifier = sw.GestureClassifier.load()
+    session = sw.Session(inference=False)
+    face, chin = session.face, sw.View().project(session.face.landmarks[8])
+    session.gesture(example("region", chin - np.array([0, 0.1]), 0.5))  # mouth and chin
+    session.brush(session.under_brush([chin - np.array([0, 0.03])], 0.03))
+    region = np.zeros(len(face.vertices), dtype=bool)
+    region[session.region] = True
+    began = time.perf_counter()
+    deformation = RegionDeformation(face.vertices, face.faces, region, session.handles)
+    factor = 1000 * (time.perf_counter() - began)
+    moves = np.tile([0.0, -5.0, 5.0], (len(session.handles), 1))
+
+    def gesture() -> None:
+        session.gesture(stroke)
+        session.undo()
+
+    return {
+        "classification": _median(lambda: classifier.classify(stroke), 100),
+        "factor": factor,
+        "region": _median(lambda: deformation.displacement(moves), 100),
+        "gesture": _median(gesture, 30),
+    }
 
 
 def _deformation(regressor: sw.FaceRegressor, repeat: int) -> float:

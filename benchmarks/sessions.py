@@ -121,12 +121,15 @@ def _strong_chin(artist: Artist) -> None:
 
 
 def _snub_nose(artist: Artist) -> None:
-    bridge = np.linspace(artist.place(27, "left") + np.array([0.012, 0]), artist.place(30, "left") - [0.0, 0.02], 20)
-    artist.gesture(bridge, "left")
     artist.brush(30, 0.02)
-    artist.gesture(np.linspace(artist.place(30), artist.place(30) - [0, 0.03], 20))
+    artist.gesture(example("down roll 2", artist.place(30), 0.2))
+    artist.gesture(np.linspace(artist.place(30), artist.place(30) - np.array([0, 0.05]), 20))
     artist.gesture(example("left arrow", [0.5, 0.5], 0.2))
-    artist.gesture(np.linspace(artist.place(30), artist.place(30) - [0, 0.02], 20))
+    artist.gesture(np.linspace(artist.place(30), artist.place(30) - np.array([0, 0.015]), 20))
+    artist.session.brush(artist.session.handles, erase=True)
+    artist.note()
+    root, middle = artist.place(27, "left"), artist.place(29, "left")
+    artist.gesture(np.linspace(root + np.array([0.008, 0]), middle + np.array([0.012, 0]), 20), "left")
 
 
 SCRIPTS = (

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from .inference import FaceRegressor
     from .session import Session, register_gesture
     from .sketch import Sketch
-    from .widgets import DrawingCollector, Studio
+    from .widgets import DrawingCollector, GestureCollector, Studio
 
 __version__ = "0.1.0"
 
@@ -27,6 +27,7 @@ _HOMES = {
     "FaceRegressor": "inference",
     "GESTURES": "gesture",
     "GestureClassifier": "gesture.classifier",
+    "GestureCollector": "widgets",
     "Session": "session",
     "Sketch": "sketch",
     "Studio": "widgets",
@@ -42,6 +43,7 @@ __all__ = [
     "FaceModel",
     "FaceRegressor",
     "GestureClassifier",
+    "GestureCollector",
     "Session",
     "Sketch",
     "Studio",

@@ -55,6 +55,20 @@ def as_pen_stroke(points: Any) -> np.ndarray:
     return stroke
 
 
+def from_tablet(points: Any) -> np.ndarray:
+    """What a tablet said, as `as_pen_stroke` has it: time does not run backwards, nor is pressure beyond its bounds.
+
+    Raises
+    ------
+    ValueError
+        If it is no stroke all the same.
+    """
+    points = np.array(points, dtype=np.float64)
+    points[:, 2] = points[:, 2].clip(0, 1)
+    points[:, 3] = np.maximum.accumulate(points[:, 3].clip(0, MAX_MILLISECONDS))
+    return as_pen_stroke(points)
+
+
 def rounded(points: np.ndarray) -> np.ndarray:
     """Points (n, 4) as they are written to files: to 1e-5, 1e-5, 1e-3 and 0.1."""
     return np.round(points.astype(np.float64) * _PER_UNIT) / _PER_UNIT

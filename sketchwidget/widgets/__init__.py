@@ -1,6 +1,7 @@
-"""The Studio, the collector of drawings, and the widgets they are made of: pad and head, each half in the browser."""
+"""The Studio, the collectors of drawings and gestures, and what they are made of: pad and head, half in the browser."""
 
 from .collector import DrawingCollector
+from .gesture_collector import GestureCollector
 from .studio import Studio
 
-__all__ = ["DrawingCollector", "Studio"]
+__all__ = ["DrawingCollector", "GestureCollector", "Studio"]

@@ -9,7 +9,7 @@ import numpy as np
 from ..database.drawings import as_sketch
 from ..sketch import Sketch
 from ..sketch.erase import erase_stroke
-from ..sketch.pen import MAX_MILLISECONDS, as_pen_stroke
+from ..sketch.pen import as_pen_stroke, from_tablet
 
 Strokes = tuple[np.ndarray, ...]
 
@@ -53,11 +53,7 @@ class Draft:
         ValueError
             If it is no stroke, as `as_pen_stroke` has them.
         """
-        points = np.array(points, dtype=np.float64)
-        # Time does not run backwards, nor is pressure beyond its bounds, whatever a tablet says.
-        points[:, 2] = points[:, 2].clip(0, 1)
-        points[:, 3] = np.maximum.accumulate(points[:, 3].clip(0, MAX_MILLISECONDS))
-        self._set((*self.strokes, as_pen_stroke(points)))
+        self._set((*self.strokes, from_tablet(points)))
 
     def erase(self, path: Any, radius: float) -> bool:
         """Erase the ink under an eraser that went along a path (n, 2); False if there was none.
