@@ -95,7 +95,7 @@ class Refining:
                 self.pad.flash(str(error).partition(":")[0], good=False)
                 raise
             self.pad.flash(happened)
-            self._status.say(happened + ".", EXPECTED)
+            self._status.say(f"{happened[0].upper()}{happened[1:]}.", EXPECTED)
         if session.face is before:  # the head may have followed what came to nothing
             self._show_head()
 
