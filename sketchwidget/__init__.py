@@ -6,6 +6,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from . import caricature
     from .database.database import FaceDatabase
     from .face import Face, FaceModel
     from .geometry import View
@@ -19,6 +20,7 @@ if TYPE_CHECKING:
 __version__ = "0.1.0"
 
 # Each public name and the room that defines it: imported on first use, so that `import sketchwidget` stays light.
+_ROOMS = {"caricature"}  # public as a whole
 _HOMES = {
     "DrawingCollector": "widgets",
     "Face": "face",
@@ -49,11 +51,14 @@ __all__ = [
     "Studio",
     "View",
     "__version__",
+    "caricature",
     "register_gesture",
 ]
 
 
 def __getattr__(name: str) -> Any:
+    if name in _ROOMS:
+        return import_module(f".{name}", __name__)
     if name not in _HOMES:
         raise AttributeError(f"module 'sketchwidget' has no attribute {name!r}")
     value = getattr(import_module(f".{_HOMES[name]}", __name__), name)

@@ -75,7 +75,7 @@ class DeformationRepresentation:
         self._difference = sparse.csr_matrix((signs, ends[::-1]), shape=(edges, count))
         if sparse.csgraph.connected_components(self._at_vertex @ self._at_vertex.T)[0] != 1:
             raise ValueError("the reference is one piece, each of its vertices in a triangle")
-        self._edges = self._difference @ self.reference
+        self._edges = np.asarray(self._difference @ self.reference)
         beside = self._at_vertex @ self._at_vertex.T
         beside.setdiag(0)
         self._around = sparse.identity(count) + _AROUND * sparse.diags(1 / np.ravel(beside.sum(axis=1))) @ beside
@@ -162,7 +162,7 @@ class DeformationRepresentation:
 
     def spread(self, vertices: np.ndarray) -> np.ndarray:
         """Sums (n, 3, 3) of ``c_ij e'_ij e_ij^T`` about each vertex, of the edges e' of a mesh (n, 3)."""
-        deformed: np.ndarray = self._difference @ np.asarray(vertices, dtype=np.float64)
+        deformed = np.asarray(self._difference @ np.asarray(vertices, dtype=np.float64))
         products = self._weights[:, None, None] * deformed[:, :, None] * self._edges[:, None, :]
         return (self._at_vertex @ products.reshape(-1, 9)).reshape(-1, 3, 3)
 

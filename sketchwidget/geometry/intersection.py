@@ -1,8 +1,10 @@
-"""Which triangles of one patch of a mesh cut those of another."""
+"""Which triangles of one patch of a mesh cut those of another, and which of a mesh cut each other."""
 
 from __future__ import annotations
 
 import numpy as np
+
+_SLICE = 256  # triangles compared with their neighbours at once
 
 
 def intersecting(vertices: np.ndarray, first: np.ndarray, second: np.ndarray) -> np.ndarray:
@@ -35,6 +37,32 @@ def intersecting(vertices: np.ndarray, first: np.ndarray, second: np.ndarray) ->
     corners_a, corners_b = points[first[a]], points[second[b]]
     cut = _edges_pass(corners_a, corners_b) | _edges_pass(corners_b, corners_a)
     return np.stack([a[cut], b[cut]], axis=1)
+
+
+def self_intersecting(vertices: np.ndarray, faces: np.ndarray) -> np.ndarray:
+    """Pairs of triangles of one mesh that cut each other, as `intersecting` has it.
+
+    Parameters
+    ----------
+    vertices : (n, 3) array
+    faces : (m, 3) int array
+
+    Returns
+    -------
+    (k, 2) int array
+        Indices of triangles, the lower one first.
+    """
+    points = np.asarray(vertices, dtype=np.float64)
+    lowest, highest = (extreme(points[faces][:, :, 0], axis=1) for extreme in (np.min, np.max))
+    order = np.argsort(lowest)
+    pairs = []
+    for start in range(0, len(order), _SLICE):  # from left to right, each slice against what begins within it
+        block = order[start : start + _SLICE]
+        end = np.searchsorted(lowest[order], highest[block].max(), side="right")
+        others = order[start:end]
+        found = intersecting(points, faces[block], faces[others])
+        pairs.append(np.stack([block[found[:, 0]], others[found[:, 1]]], axis=1))
+    return np.unique(np.sort(np.concatenate(pairs), axis=1), axis=0) if pairs else np.empty((0, 2), dtype=int)
 
 
 def _in_box(

@@ -3,8 +3,9 @@
 import igl
 import numpy as np
 import pytest
+import trimesh
 
-from sketchwidget.geometry.intersection import intersecting
+from sketchwidget.geometry.intersection import intersecting, self_intersecting
 
 FLAT = [[0, 0, 0], [2, 0, 0], [0, 2, 0]]
 ONE, OTHER = np.array([[0, 1, 2]]), np.array([[3, 4, 5]])
@@ -46,3 +47,17 @@ def test_the_library_s_test_of_two_triangles_agrees():
         found.append(len(intersecting(points, ONE, OTHER)) == 1)
         assert found[-1] == expected
     assert 0.1 < np.mean(found) < 0.9
+
+
+def test_a_mesh_that_cuts_itself():
+    """Against all pairs at once; two balls in each other, then apart, in one mesh."""
+    ball = trimesh.creation.icosphere(subdivisions=2)
+    faces = np.concatenate([ball.faces, ball.faces + len(ball.vertices)])
+    vertices = np.concatenate([ball.vertices, ball.vertices + np.array([0.7, 0.2, 0.1])])
+    found = self_intersecting(vertices, faces)
+    pairs = intersecting(vertices, ball.faces, faces[len(ball.faces) :])
+    assert {tuple(pair) for pair in found.tolist()} == {(a, b + len(ball.faces)) for a, b in pairs.tolist()}
+    assert len(found) > 20
+    assert not len(self_intersecting(ball.vertices, ball.faces))
+    vertices[len(ball.vertices) :] += [3, 0, 0]
+    assert not len(self_intersecting(vertices, faces))

@@ -1,0 +1,139 @@
+"""A model's head as something to deform: its skin as one coarse mesh, and what follows it."""
+
+from __future__ import annotations
+
+from functools import cached_property
+
+import igl
+import numpy as np
+from scipy import sparse
+from scipy.linalg import qr
+from scipy.sparse.csgraph import connected_components
+from scipy.sparse.linalg import SuperLU, splu
+
+from ..face.exaggeration import LEVELS
+from ..face.model import FaceModel
+from ..geometry.alignment import similarity
+from ..geometry.deformation_representation import DeformationRepresentation
+from ..geometry.deformation_space import DeformationSpace
+from .jaw import Jaw
+
+EXPRESSIONS, IDENTITIES = 10, 20  # of the basis
+_ATTACHED = 400  # vertices of the skin that an eye, a row of teeth or the tongue moves with
+
+
+class DeformableHead:
+    """The heads of one model, deformed from its mean face at rest.
+
+    Deformations live on the coarse mesh of the skin and the mouth's inside, whose refinement every head is: it has a
+    quarter of the vertices and loses nothing. Eyes, teeth and tongue are pieces of their own, which move rigidly, and
+    grow, with the skin that they are attached to.
+
+    Parameters
+    ----------
+    model : FaceModel
+    """
+
+    def __init__(self, model: FaceModel) -> None:
+        self.model = model
+        template = model.template
+        self.rest = self._mesh(model.mean_identity, self._expression("neutral"))
+        self.skin, faces = _largest_piece(*template.soft)
+        self.representation = DeformationRepresentation(self.rest[self.skin], faces)
+        self._refine = template.subdivision.astype(np.float64).tocsr()
+        self.jaw = Jaw(template, self._refine @ self.rest)
+        self._on_skin = self._refine[:, self.skin]
+
+    @cached_property
+    def space(self) -> DeformationSpace:
+        """The space spanned by normal faces that differ most (section 5.1)."""
+        return DeformationSpace(self.representation, [example[self.skin] for example in self.examples])
+
+    @cached_property
+    def names(self) -> tuple[str, ...]:
+        """What each example of the space is: an expression's name, or "identity" and its number."""
+        expressions, people = self._chosen
+        return (*(self.model.expressions[number] for number in expressions), *(f"identity {who}" for who in people))
+
+    def rows(self, vertices: np.ndarray) -> sparse.csr_matrix:
+        """Places of fine vertices (k,) as weights (k, n) of the skin's."""
+        return self._on_skin[vertices]
+
+    def coarse(self, vertices: np.ndarray) -> np.ndarray:
+        """The coarse head (m, 3) whose refinement is nearest to fine vertices (V, 3)."""
+        return self._normal_equations.solve(self._refine.T @ np.asarray(vertices, dtype=np.float64))
+
+    @cached_property
+    def _normal_equations(self) -> SuperLU:
+        return splu((self._refine.T @ self._refine).tocsc())
+
+    def vertices(self, skin: np.ndarray, start: np.ndarray | None = None) -> np.ndarray:
+        """All fine vertices (V, 3) float32 of a deformed skin (n, 3).
+
+        Its eyes, teeth and tongue come from a coarse head (m, 3), by default the mean face at rest.
+        """
+        start = self.rest if start is None else start
+        coarse = start.copy()
+        coarse[self.skin] = skin
+        for part, attached in self._attached:
+            scale, rotation, offset = similarity(start[attached], coarse[attached])
+            coarse[part] = scale * start[part] @ rotation.T + offset
+        return np.asarray(self._refine @ coarse, dtype=np.float32)
+
+    def _mesh(self, identity: np.ndarray, expression: np.ndarray) -> np.ndarray:
+        model = self.model.bilinear
+        mesh = model.mean + model.basis @ (model.core @ expression @ identity)
+        return mesh.reshape(-1, 3).astype(np.float64)
+
+    def _expression(self, name: str) -> np.ndarray:
+        return self.model.bilinear.expressions[self.model.expressions.index(name)]
+
+    @cached_property
+    def _chosen(self) -> tuple[list[int], list[int]]:
+        """Numbers of the expressions of the mean face, and of the people at rest, that differ most.
+
+        Each is the one that differs most from the mean face once what those before it explain is taken away: pivoted QR
+        decomposition. Nobody exaggerated is among them.
+        """
+        model = self.model.bilinear
+        rest = self._expression("neutral")
+        shapes = np.einsum("kpq,p,eq->ek", model.core, self.model.mean_identity, model.expressions - rest)
+        people = (model.identities[::LEVELS] - self.model.mean_identity) @ (model.core @ rest).T
+        expressions, identities = (
+            [int(number) for number in qr(differences.T, mode="r", pivoting=True)[-1][:count]]
+            for differences, count in ((shapes, EXPRESSIONS), (people, IDENTITIES))
+        )
+        return [number for number in expressions if self.model.expressions[number] != "neutral"], identities
+
+    @cached_property
+    def examples(self) -> list[np.ndarray]:
+        """Coarse heads (m, 3) of the basis, in the order of `names`."""
+        expressions, people = self._chosen
+        model, rest = self.model.bilinear, self._expression("neutral")
+        return [self._mesh(self.model.mean_identity, model.expressions[number]) for number in expressions] + [
+            self._mesh(model.identities[::LEVELS][who], rest) for who in people
+        ]
+
+    @cached_property
+    def _attached(self) -> list[tuple[np.ndarray, np.ndarray]]:
+        """Coarse vertices of each loose piece, and those of the skin that move in the examples as it does."""
+        edges = igl.adjacency_matrix(self.model.template.coarse_faces.astype(np.int64))
+        piece = connected_components(edges, directed=False)[1]
+        parts = [np.flatnonzero(piece == number) for number in set(piece) - {piece[self.skin[0]]}]
+        return [(part, self.skin[self._strays(part).argsort()[:_ATTACHED]]) for part in parts]
+
+    def _strays(self, part: np.ndarray) -> np.ndarray:
+        """How far (n,) each vertex of the skin strays in the examples from moving as a piece does, squared."""
+        strays = np.zeros(len(self.skin))
+        for example in self.examples:
+            scale, rotation, offset = similarity(self.rest[part], example[part])
+            moved = scale * self.rest[self.skin] @ rotation.T + offset
+            strays += ((moved - example[self.skin]) ** 2).sum(axis=1)
+        return strays
+
+
+def _largest_piece(vertices: np.ndarray, faces: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Of a mesh given by the numbers of its vertices (n,) and its triangles (m, 3) among them."""
+    piece = connected_components(igl.adjacency_matrix(faces.astype(np.int64)), directed=False)[1]
+    kept = piece == np.bincount(piece).argmax()
+    return vertices[kept], (np.cumsum(kept) - 1)[faces[kept[faces].all(axis=1)]]

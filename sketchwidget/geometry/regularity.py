@@ -1,0 +1,28 @@
+"""How regular a triangle mesh is: edges at which it folds over."""
+
+from __future__ import annotations
+
+import igl
+import numpy as np
+
+
+def folded(vertices: np.ndarray, faces: np.ndarray) -> np.ndarray:
+    """Which inner edges of a mesh join triangles whose normals are more than a right angle apart.
+
+    Parameters
+    ----------
+    vertices : (n, 3) array
+    faces : (m, 3) int array
+        An oriented manifold.
+
+    Returns
+    -------
+    (e,) bool array
+        One for each edge between two triangles; an edge has the same place for every mesh with these faces.
+    """
+    sides, _ = igl.triangle_triangle_adjacency(np.asarray(faces, dtype=np.int64))[:2]
+    first, side = np.nonzero(sides > np.arange(len(faces))[:, None])
+    second = sides[first, side]
+    corners = np.asarray(vertices, dtype=np.float64)[faces]
+    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    return (normals[first] * normals[second]).sum(axis=1) < 0
