@@ -28,6 +28,8 @@ def main() -> None:
         ("deformation of a region by free handles, once factored", f"{in_kernel['region']:.1f} ms", "8 ms"),
         ("the factorisation of that region", f"{in_kernel['factor']:.0f} ms"),
         ("a gesture of a session, from stroke to head", f"{in_kernel['gesture']:.1f} ms"),
+        ("caricature from 68 landmarks", f"{in_kernel['caricature'] / 1000:.2f} s", "2 s"),
+        ("one step of it, from a former one on", f"{in_kernel['caricature step']:.0f} ms"),
         ("pen-up to updated frame, median", f"{in_page['head']['median']:.0f} ms"),
         ("pen-up to updated frame, 95th percentile", f"{in_page['head']['p95']:.0f} ms", "150 ms"),
         ("the same in follow-up sketching, median", f"{in_page['followup']['median']:.0f} ms"),

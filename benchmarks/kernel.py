@@ -47,6 +47,7 @@ def measure(repeat: int = 100) -> dict[str, Any]:
         **_refinement(),
         "deformation": _deformation(regressor, repeat),
         "followup": _redrawing(regressor, repeat),
+        **_caricature(regressor.model),
         "memory": int(subprocess.check_output([sys.executable, "-c", _MEMORY])) / 1024,
     }
 
@@ -121,6 +122,17 @@ def _redrawing(regressor: sw.FaceRegressor, repeat: int) -> float:
         times.append(time.perf_counter() - began)
         session.undo()
     return 1000 * statistics.median(times[5:])
+
+
+def _caricature(model: sw.FaceModel) -> dict[str, float]:
+    """Fits to the landmarks of an exaggerated face: a whole one, and one iteration as while a landmark is dragged."""
+    subject = sw.caricature.exaggerate(model.face(model.bilinear.identities[28], "grin_open"), 2.0)
+    landmarks = subject.landmarks[:, :2] * [1.5, -1.5] + 200.0
+    first = sw.caricature.fit(landmarks, model=model)
+    return {
+        "caricature": _median(lambda: sw.caricature.fit(landmarks, model=model), 5),
+        "caricature step": _median(lambda: sw.caricature.fit(landmarks, model=model, start=first, iterations=1), 5),
+    }
 
 
 def _fresh(code: str, repeat: int = 7) -> float:
