@@ -22,6 +22,7 @@ from typer.core import TyperGroup
 
 from sketchwidget import __version__
 from sketchwidget.database.commands import database, drawings
+from sketchwidget.portrait.commands import models
 from sketchwidget.training.commands import evaluate, train
 
 
@@ -46,6 +47,7 @@ main.add_typer(train, name="train")
 main.add_typer(drawings, name="drawings")
 main.command()(database)
 main.command()(evaluate)
+main.command()(models)
 
 
 def fail(message: str) -> NoReturn:
