@@ -88,11 +88,23 @@ class AnnySource(TransferredSource):
 
     def poses(self) -> dict[str, np.ndarray]:
         """The 25 expressions posed on a plain young adult, coarse vertices (n, 3) by name, "neutral" first."""
+        rest = self._plain_adult()
+        recipes = json.loads(files("sketchwidget.database").joinpath("expressions.json").read_text())
+        return {name: rest + self._pose(recipe) for name, recipe in recipes.items()}
+
+    def actions(self) -> tuple[np.ndarray, dict[str, np.ndarray]]:
+        """The plain young adult of `poses` at rest, (n, 3), and what each facial action moves of it, (n, 3) by name.
+
+        The names are ARKit's: 52 actions of one part and one side of the face each.
+        """
+        names = sorted(file.stem for file in self._units.glob("*.target"))
+        return self._plain_adult(), {name: self._pose({name: 1.0}) for name in names}
+
+    def _plain_adult(self) -> np.ndarray:
         rest = self._base[self._kept].copy()
         for file, weight in self._macro(gender=0.5, age=0.5, muscle=0.5, weight=0.5, ancestry=np.full(3, 1 / 3)):
             rest += weight * self._target(file)
-        recipes = json.loads(files("sketchwidget.database").joinpath("expressions.json").read_text())
-        return {name: rest + self._pose(recipe) for name, recipe in recipes.items()}
+        return rest
 
     def _pose(self, recipe: dict[str, float]) -> np.ndarray:
         displacement = np.zeros((len(self._kept), 3))

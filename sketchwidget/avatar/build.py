@@ -1,0 +1,266 @@
+"""From a picture to an avatar: the whole pipeline (Figure 1)."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import Any
+
+import cv2
+import numpy as np
+import torch
+
+from ..face.face import Face
+from ..face.model import FaceModel
+from ..portrait.landmarks import EYES, FaceDetector, FaceLandmarks
+from ..portrait.mask import PersonMask, face_oval
+from ..portrait.mediapipe import MediaPipeDetector
+from ..portrait.models import HOW_TO_GET, missing
+from ..portrait.picture import load_picture
+from .avatar import Avatar
+from .camera import Camera
+from .coarse import CoarseFitter
+from .eyes import Eyeball, fit_eyeballs
+from .fine import FineFitter
+from .rig import RigBuilder
+from .stylize import EyeWarp, cartoon
+from .template import AvatarTemplate
+from .texture import TextureBaker
+
+Transform = Callable[[np.ndarray], np.ndarray]
+
+_SIDE = 512  # pixels of the square about the face that is worked on
+_TEXTURE_SIDE = 1024
+_ABOUT = 2.3  # breadths and heights of the face to the square
+_LEAST_EYES = 12.0  # pixels between the outer corners of the eyes
+_UNSURE = 0.02  # genuine caricatures have scores as low as 0.03
+_RIVAL = 0.5  # of the largest face's area: another that might be meant
+_PROFILE = 5.0  # how many times nearer one eye is to the edge of the face than the other
+
+
+@dataclass(frozen=True, eq=False)
+class _Tools:
+    """What all builds with one face model share."""
+
+    model: FaceModel
+    template: AvatarTemplate
+    coarse: CoarseFitter
+    fine: FineFitter
+    rig: RigBuilder
+    texture: TextureBaker
+
+    @classmethod
+    def of(cls, model: FaceModel) -> _Tools:
+        template = AvatarTemplate.load()
+        rig = RigBuilder(model, template)  # it checks that the template is for the model
+        coarse, fine = CoarseFitter(model, template), FineFitter(model)
+        return cls(model, template, coarse, fine, rig, TextureBaker(model, template, _TEXTURE_SIDE))
+
+
+@lru_cache(maxsize=1)
+def _shipped() -> _Tools:
+    return _Tools.of(FaceModel.load())
+
+
+def build(
+    image: Any,
+    landmarks: Any = None,
+    stylize: bool = True,
+    *,
+    model: FaceModel | None = None,
+    detector: FaceDetector | None = None,
+    face: int | None = None,
+) -> Avatar:
+    """An animatable cartoon head from one portrait.
+
+    Parameters
+    ----------
+    image : array, path or bytes
+        The portrait, (H, W, 3) uint8 or what `load_picture` takes; the face looks at the viewer, more or less.
+    landmarks : (68, 2) array or FaceLandmarks, optional
+        In pixels of `image` (of a file, of what `load_picture` gives), iBUG order; then no model is needed. By default
+        the detector finds them.
+    stylize : bool
+        Draw the portrait as a cartoon with larger eyes first.
+    model : FaceModel, optional
+        The shipped one by default.
+    detector : FaceDetector, optional
+        MediaPipe's by default, whose models `sketchwidget models` fetches; nothing is downloaded here.
+    face : int, optional
+        Which one if there are several, counted from the left.
+
+    Returns
+    -------
+    Avatar
+
+    Raises
+    ------
+    ValueError
+        If no face is found, or several and none is chosen; if the face is in profile or too small; if the models are
+        missing and no landmarks are given; if the picture or the landmarks are no such thing. Each message tells what
+        to do.
+    """
+    clock = _Clock()
+    picture = load_picture(image)
+    # Arrays that were made smaller have landmarks, too, in the pixels that were given.
+    larger = image.shape[1] / picture.shape[1] if isinstance(image, np.ndarray) else 1.0
+    if landmarks is not None:
+        given = landmarks if isinstance(landmarks, FaceLandmarks) else FaceLandmarks(landmarks)
+        landmarks = given.moved(lambda points: points / larger)
+    with clock("landmarks"):
+        marks = _marks(picture, landmarks, detector, face)
+    tools = _shipped() if model is None else _Tools.of(model)
+    threads = torch.get_num_threads()
+    torch.set_num_threads(1)  # small tensors: several threads wait for each other
+    try:
+        return _built(picture, larger, marks, stylize, tools, clock)
+    finally:
+        torch.set_num_threads(threads)
+
+
+def _built(
+    picture: np.ndarray, larger: float, marks: FaceLandmarks, stylize: bool, tools: _Tools, clock: _Clock
+) -> Avatar:
+    stages: dict[str, np.ndarray] = {}
+    square, to_square, from_square = _squared(picture, marks)
+    marks = marks.moved(to_square).snapped()
+    stages["portrait"] = square
+    with clock("mask"):
+        person = _person(square, marks)
+    warp = None
+    if stylize:
+        with clock("stylize"):
+            warp = EyeWarp.of(marks)
+            square, person, marks = cartoon(warp.picture(square)), warp.picture(person), marks.moved(warp)
+        stages["cartoon"] = square
+    refine = tools.model.template.subdivision
+    with clock("coarse"):
+        oval = face_oval(marks.points, square.shape[:2])
+        fit = tools.coarse.fit(square, marks.points, person * oval)
+    with clock("fine"):
+        posed = tools.fine.fit(fit, marks)
+        rest = tools.coarse.coarse(fit.identity, _neutral(tools.model))
+        neutral = tools.fine.neutral(posed, fit.vertices, rest)
+    with clock("rig"):
+        rig, eyes = tools.rig(neutral, fit_eyeballs(tools.model, refine @ neutral, refine @ rest))
+    with clock("texture"):
+        aligned = refine @ posed
+        shown = _with_eyes(aligned, fit_eyeballs(tools.model, aligned, refine @ fit.vertices))
+        texture = tools.texture(square, person, fit, shown, eyes, marks)
+    landmarks = fit.camera.project(shown[tools.model.landmarks])
+    if warp is not None:
+        landmarks = warp.back(landmarks)
+    origin, unit = larger * from_square(np.array([[0.0, 0.0], [1.0, 0.0]]))
+    scale = float(unit[0] - origin[0])
+    camera = Camera(fit.camera.rotation, fit.camera.scale * scale, fit.camera.translation * scale + origin)
+    return Avatar(
+        face=Face(tools.model, _with_eyes(refine @ neutral, eyes)),
+        portrait=Face(tools.model, shown),
+        texture=texture,
+        uv=tools.texture.uv,
+        eyes=eyes,
+        rig=rig,
+        camera=camera,
+        marks=landmarks * scale + origin,
+        stages=stages,
+        timings=clock.milliseconds,
+    )
+
+
+def _marks(
+    picture: np.ndarray, given: FaceLandmarks | None, detector: FaceDetector | None, face: int | None
+) -> FaceLandmarks:
+    """The marks of the face that is meant, in pixels of the picture."""
+    marks = _detected(picture, detector, face) if given is None else given
+    if marks.eye_distance < _LEAST_EYES:
+        raise ValueError(
+            f"the face is too small: its eyes are {marks.eye_distance:.0f} pixels apart, and {_LEAST_EYES:.0f} are"
+            " needed; give a larger picture"
+        )
+    right, left = (marks.points[eye].mean(axis=0) for eye in EYES.values())
+    along = (left - right) / np.linalg.norm(left - right)
+    aside = [float((right - marks.points[0]) @ along), float((marks.points[16] - left) @ along)]
+    if min(aside) * _PROFILE < max(aside):
+        raise ValueError("the face is seen in profile: give a portrait in which both eyes and both cheeks are seen")
+    return marks
+
+
+def _detected(picture: np.ndarray, detector: FaceDetector | None, face: int | None) -> FaceLandmarks:
+    if detector is None:
+        if missing():
+            raise ValueError(f"no landmarks are given, and the portrait models are not here: {HOW_TO_GET}")
+        detector = _mediapipe()
+    boxes = detector.faces(picture)
+    if not len(boxes):
+        raise ValueError("no face is found in the picture: give a portrait, or the 68 landmarks of the face yourself")
+    area = boxes[:, 2] * boxes[:, 3]
+    likely = boxes[area > _RIVAL * area.max()]
+    likely = likely[np.argsort(likely[:, 0])]
+    if face is None and len(likely) > 1:
+        raise ValueError(f"there are {len(likely)} faces: choose one with face=0 for the leftmost, 1 for the next, ...")
+    if face is not None and not 0 <= face < len(likely):
+        raise ValueError(f"there are {len(likely)} faces, numbered from 0 at the left; given face={face}")
+    marks = detector.landmarks(picture, likely[face or 0])
+    if marks.score < _UNSURE:
+        raise ValueError("what looks like a face is none: give a portrait, or the 68 landmarks of the face yourself")
+    return marks
+
+
+@lru_cache(maxsize=1)
+def _mediapipe() -> MediaPipeDetector:
+    return MediaPipeDetector()
+
+
+@lru_cache(maxsize=1)
+def _person_mask() -> PersonMask:
+    return PersonMask()
+
+
+def _squared(picture: np.ndarray, marks: FaceLandmarks) -> tuple[np.ndarray, Transform, Transform]:
+    """The square about a face, (512, 512, 3), and what takes points to it and back."""
+    low, high = marks.points.min(axis=0), marks.points.max(axis=0)
+    side = _ABOUT * float((high - low).max())
+    corner = (low + high) / 2 - side / 2 - (0, 0.06 * side)
+    scale = _SIDE / side
+    matrix = np.array([[1 / scale, 0, corner[0]], [0, 1 / scale, corner[1]]])
+    matrix[:, 2] += 0.5 / scale - 0.5  # middles of pixels
+    shrunk = cv2.GaussianBlur(picture, (0, 0), 0.5 / scale) if scale < 0.7 else picture
+    square = cv2.warpAffine(
+        shrunk, matrix, (_SIDE, _SIDE), flags=cv2.INTER_CUBIC | cv2.WARP_INVERSE_MAP, borderMode=cv2.BORDER_REPLICATE
+    )
+    return square, lambda points: (points - corner) * scale, lambda points: points / scale + corner
+
+
+def _person(square: np.ndarray, marks: FaceLandmarks) -> np.ndarray:
+    """How sure each pixel is of the person; without the model the face alone is."""
+    if "selfie_segmentation" in missing():
+        return face_oval(marks.points, square.shape[:2]).astype(np.float32)
+    return _person_mask()(square)
+
+
+def _neutral(model: FaceModel) -> np.ndarray:
+    return model.bilinear.expressions[model.expressions.index("neutral")]
+
+
+def _with_eyes(head: np.ndarray, eyes: list[Eyeball]) -> np.ndarray:
+    """A head (V, 3) with its eyeballs where they are."""
+    head = np.array(head)
+    for eye in eyes:
+        head[eye.vertices] = eye.points()
+    return head
+
+
+class _Clock:
+    """Milliseconds of the stages."""
+
+    def __init__(self) -> None:
+        self.milliseconds: dict[str, float] = {}
+
+    @contextmanager
+    def __call__(self, stage: str) -> Iterator[None]:
+        start = time.perf_counter()
+        yield
+        self.milliseconds[stage] = 1000 * (time.perf_counter() - start)

@@ -1,0 +1,253 @@
+"""Coarse reconstruction: model coefficients, light and pose that explain a picture (section 3.1)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import torch
+from scipy import sparse
+
+from ..face.model import FaceModel
+from ..face.template import PARTS
+from ..geometry.visibility import visible
+from ..portrait.landmarks import slid
+from .camera import Camera
+from .shading import shade, vertex_normals
+from .template import AvatarTemplate
+
+_LANDMARK_MM, _COLOUR = 1.2, 0.08  # standard deviations of what a landmark and a pixel may be off
+_PIXELS = 150.0  # how many independent pixels a face counts as
+_PRIOR = {"identity": 1.0, "expression": 1.0, "texture": 1.0}  # weights of equation 6
+_JAW, _JAW_WEIGHT = slice(0, 17), 0.3  # landmarks of the contour, which no vertex has for certain
+_FAR_SIDE = 30.0  # degrees of turning by which the far half of the contour counts no more
+_LANDMARK_STEPS, _PHOTO_STEPS = 70, 60
+_SLIDE, _REFRESH = 5, 20  # steps between new places along contours, and between looks at what is visible
+_RATE = 0.08
+
+
+@dataclass(frozen=True, eq=False)
+class CoarseFit:
+    """What a picture was explained by: the ``x`` of section 3.1.2.
+
+    Parameters
+    ----------
+    identity, expression : arrays
+        Weights of the bilinear model.
+    texture : (k,) array
+        Of the albedo basis.
+    light : (9,) array
+        Spherical-harmonics coefficients.
+    camera : Camera
+    vertices : (n, 3) array
+        The coarse mesh, millimetres.
+    """
+
+    identity: np.ndarray
+    expression: np.ndarray
+    texture: np.ndarray
+    light: np.ndarray
+    camera: Camera
+    vertices: np.ndarray
+
+
+def landmark_weights(camera: Camera | None = None) -> np.ndarray:
+    """The omega_n of equation 4, (68,): the contour counts less, its far half less still once the head is turned."""
+    weights = np.ones(68)
+    weights[_JAW] = _JAW_WEIGHT
+    if camera is not None:
+        far = slice(0, 8) if camera.yaw < 0 else slice(9, 17)
+        weights[far] *= max(0.0, 1 - abs(camera.yaw) / _FAR_SIDE)
+    return weights
+
+
+class CoarseFitter:
+    """Fits one face model and albedo to pictures.
+
+    Parameters
+    ----------
+    model : FaceModel
+    template : AvatarTemplate
+    """
+
+    def __init__(self, model: FaceModel, template: AvatarTemplate) -> None:
+        self._model, self._template = model, template
+        shape, bilinear = model.template, model.bilinear
+        self._skin = np.flatnonzero(shape.parts == PARTS.index("skin"))
+        number_of = np.full(shape.coarse_count, -1)
+        number_of[self._skin] = np.arange(len(self._skin))
+        faces = number_of[shape.coarse_faces]
+        self._faces = faces[(faces >= 0).all(axis=1)]
+        rows = shape.subdivision[np.concatenate([self._skin, model.landmarks])]  # fine vertices begin with the coarse
+        self._mean = _tensor(_applied(rows, bilinear.mean[:, None]).reshape(-1, 3))
+        self._basis = _tensor(_applied(rows, bilinear.basis).reshape(-1, 3, bilinear.basis.shape[1]))
+        self._core = _tensor(bilinear.core)
+        neutral = bilinear.expressions[model.expressions.index("neutral")]
+        self._centres = (_tensor(model.mean_identity), _tensor(neutral))
+        self._spreads = tuple(_tensor(rows.std(axis=0)) for rows in (bilinear.identities, bilinear.expressions))
+        self._albedo = _tensor(template.albedo[self._skin])
+        self._albedo_basis = _tensor(template.albedo_basis[:, self._skin])
+
+    def fit(
+        self,
+        image: np.ndarray,
+        landmarks: np.ndarray,
+        confidence: np.ndarray,
+        start: CoarseFit | None = None,
+    ) -> CoarseFit:
+        """Minimise equation 3 on one picture: landmarks first, then colours too.
+
+        Parameters
+        ----------
+        image : (H, W, 3) uint8 array
+        landmarks : (68, 2) array
+            Pixels.
+        confidence : (H, W) array
+            How sure each pixel is of the face, 0 to 1: ``A_m`` of equation 5.
+        start : CoarseFit, optional
+            Where to begin, as from a network; by default the mean face, facing the viewer.
+
+        Returns
+        -------
+        CoarseFit
+        """
+        unknowns = self._start(landmarks, start)
+        camera = self._camera(unknowns)
+        weights = _tensor(landmark_weights(camera))
+        optimiser = torch.optim.Adam(unknowns.values(), lr=_RATE)
+        picture = _tensor(image.transpose(2, 0, 1)[None] / 255.0)
+        sure = _tensor(confidence[None, None])
+        seen = None
+        for step in range(_LANDMARK_STEPS + _PHOTO_STEPS):
+            optimiser.zero_grad()
+            points, albedo = self._shape(unknowns)
+            projected, rotation = _project(points, unknowns)
+            if step % _SLIDE == 0:
+                wanted = _tensor(slid(projected[len(self._skin) :].detach().numpy(), landmarks))
+            scale = unknowns["scale"].detach().exp()
+            off = ((projected[len(self._skin) :] - wanted) / scale).square().sum(dim=1)
+            loss = 0.5 * (weights * off).sum() / _LANDMARK_MM**2
+            for name, weight in _PRIOR.items():
+                loss = loss + 0.5 * weight * unknowns[name].square().sum()
+            if step >= _LANDMARK_STEPS:
+                if (step - _LANDMARK_STEPS) % _REFRESH == 0:
+                    seen = self._visible(points, rotation)
+                loss = loss + self._photometric(
+                    points, projected, rotation, albedo, unknowns["light"], picture, sure, seen
+                )
+            loss.backward()
+            optimiser.step()
+        return self._result(unknowns)
+
+    def coarse(self, identity: np.ndarray, expression: np.ndarray) -> np.ndarray:
+        """The coarse mesh (n, 3) of bilinear weights."""
+        bilinear = self._model.bilinear
+        code = bilinear.core @ expression @ identity
+        return (bilinear.mean + bilinear.basis @ code).reshape(-1, 3).astype(np.float64)
+
+    def _start(self, landmarks: np.ndarray, start: CoarseFit | None) -> dict[str, torch.Tensor]:
+        shapes = {"identity": len(self._centres[0]), "expression": len(self._centres[1])}
+        shapes |= {"texture": len(self._albedo_basis), "turn": 3}
+        values = {name: torch.zeros(size) for name, size in shapes.items()}
+        light = torch.zeros(9)
+        light[0], light[2], light[1] = 3.0, 0.4, 0.2
+        values["light"] = light
+        if start is None:
+            rest = self._model.mean[self._model.landmarks].astype(np.float64)
+            camera = Camera.of(rest, landmarks, landmark_weights())
+        else:
+            camera = start.camera
+            for name, centre, spread in zip(("identity", "expression"), self._centres, self._spreads, strict=True):
+                values[name] = (_tensor(getattr(start, name)) - centre) / spread
+            values["texture"], values["light"] = _tensor(start.texture), _tensor(start.light)
+        values["scale"] = torch.tensor(float(np.log(camera.scale)))
+        values["shift"] = _tensor(camera.translation / camera.scale / 10)  # centimetres, the size of the other steps
+        unknowns = {name: value.clone().requires_grad_() for name, value in values.items()}
+        unknowns["turn"].data = _turn_vector(camera.rotation)
+        return unknowns
+
+    def _shape(self, unknowns: dict[str, torch.Tensor]) -> tuple[torch.Tensor, torch.Tensor]:
+        u, v = (
+            centre + spread * unknowns[name]
+            for name, centre, spread in zip(("identity", "expression"), self._centres, self._spreads, strict=True)
+        )
+        points = self._mean + self._basis @ (self._core @ v @ u)
+        albedo = self._albedo + torch.tensordot(unknowns["texture"], self._albedo_basis, dims=1)
+        return points, albedo
+
+    def _photometric(
+        self,
+        points: torch.Tensor,
+        projected: torch.Tensor,
+        rotation: torch.Tensor,
+        albedo: torch.Tensor,
+        light: torch.Tensor,
+        picture: torch.Tensor,
+        sure: torch.Tensor,
+        seen: torch.Tensor,
+    ) -> torch.Tensor:
+        """Equation 5 over the visible vertices instead of the pixels; both count every part of the face once."""
+        height, width = picture.shape[2:]
+        skin = points[: len(self._skin)]
+        normals = vertex_normals(skin, self._faces_tensor)[seen] @ rotation.T
+        rendered = shade(albedo[seen], normals, light)
+        at = projected[: len(self._skin)][seen] / torch.tensor([width / 2, height / 2]) - 1
+        given = torch.nn.functional.grid_sample(picture, at[None, None], align_corners=False)[0, :, 0].T
+        trust = torch.nn.functional.grid_sample(sure, at[None, None].detach(), align_corners=False)[0, 0, 0]
+        trust = trust * normals[:, 2].detach().clamp(min=0)  # what is seen aslant covers fewer pixels
+        off = (rendered - given).square().mean(dim=1)
+        off = off / (1 + off / (3 * _COLOUR) ** 2)  # hair, glasses and highlights are no skin
+        return 0.5 * _PIXELS * (trust * off).sum() / trust.sum().clamp(min=1) / _COLOUR**2
+
+    @property
+    def _faces_tensor(self) -> torch.Tensor:
+        return torch.from_numpy(self._faces.astype(np.int64))
+
+    def _visible(self, points: torch.Tensor, rotation: torch.Tensor) -> torch.Tensor:
+        skin, turn = points[: len(self._skin)].detach().numpy().astype(np.float64), rotation.detach().numpy()
+        facing = vertex_normals(torch.from_numpy(skin), self._faces_tensor).numpy() @ turn[2] > 0.1
+        facing[facing] = visible(skin[facing], skin, self._faces, turn.astype(np.float64), tolerance=2.0)
+        return torch.from_numpy(np.flatnonzero(facing))
+
+    def _camera(self, unknowns: dict[str, torch.Tensor]) -> Camera:
+        rotation = _rotation(unknowns["turn"]).detach().numpy().astype(np.float64)
+        scale = float(unknowns["scale"].detach().exp())
+        return Camera(rotation, scale, 10 * scale * unknowns["shift"].detach().numpy().astype(np.float64))
+
+    def _result(self, unknowns: dict[str, torch.Tensor]) -> CoarseFit:
+        values = {name: value.detach().numpy() for name, value in unknowns.items()}
+        u, v = (
+            (centre + spread * unknowns[name].detach()).numpy()
+            for name, centre, spread in zip(("identity", "expression"), self._centres, self._spreads, strict=True)
+        )
+        return CoarseFit(u, v, values["texture"], values["light"], self._camera(unknowns), self.coarse(u, v))
+
+
+def _project(points: torch.Tensor, unknowns: dict[str, torch.Tensor]) -> tuple[torch.Tensor, torch.Tensor]:
+    """Pixels (r, 2) of points (r, 3), and the rotation (3, 3)."""
+    rotation, scale = _rotation(unknowns["turn"]), unknowns["scale"].exp()
+    seen = points @ rotation[:2].T * torch.tensor([1.0, -1.0])
+    return scale * (seen + 10 * unknowns["shift"]), rotation
+
+
+def _rotation(turn: torch.Tensor) -> torch.Tensor:
+    """Rotation (3, 3) by a vector (3,): its axis, and as its length the angle in radians."""
+    zero = torch.zeros(())
+    x, y, z = turn.unbind()
+    return torch.linalg.matrix_exp(torch.stack([zero, -z, y, z, zero, -x, -y, x, zero]).reshape(3, 3))
+
+
+def _turn_vector(rotation: np.ndarray) -> torch.Tensor:
+    from scipy.spatial.transform import Rotation
+
+    return _tensor(Rotation.from_matrix(rotation).as_rotvec())
+
+
+def _applied(rows: sparse.csr_matrix, columns: np.ndarray) -> np.ndarray:
+    """Fine rows of columns (3 n, k) of coarse coordinates: (3 r, k)."""
+    k = columns.shape[1]
+    return np.asarray(rows @ columns.reshape(-1, 3 * k)).reshape(-1, k)
+
+
+def _tensor(values: np.ndarray) -> torch.Tensor:
+    return torch.from_numpy(np.ascontiguousarray(values, dtype=np.float32))
