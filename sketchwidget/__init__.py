@@ -6,7 +6,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from . import caricature
+    from . import avatar, caricature
     from .database.database import FaceDatabase
     from .face import Face, FaceModel
     from .geometry import View
@@ -36,6 +36,7 @@ _HOMES = {
     "View": "geometry",
     "register_gesture": "session",
 }
+_ROOMS = ("avatar",)  # public as modules
 
 __all__ = [
     "GESTURES",
@@ -51,6 +52,7 @@ __all__ = [
     "Studio",
     "View",
     "__version__",
+    "avatar",
     "caricature",
     "register_gesture",
 ]

@@ -26,7 +26,7 @@ from .coarse import CoarseFitter
 from .eyes import Eyeball, fit_eyeballs
 from .fine import FineFitter
 from .rig import RigBuilder
-from .stylize import EyeWarp, cartoon
+from .stylize import Stylizer, drawn
 from .template import AvatarTemplate
 from .texture import TextureBaker
 
@@ -68,7 +68,7 @@ def _shipped() -> _Tools:
 def build(
     image: Any,
     landmarks: Any = None,
-    stylize: bool = True,
+    stylize: bool | Stylizer = True,
     *,
     model: FaceModel | None = None,
     detector: FaceDetector | None = None,
@@ -83,8 +83,8 @@ def build(
     landmarks : (68, 2) array or FaceLandmarks, optional
         In pixels of `image` (of a file, of what `load_picture` gives), iBUG order; then no model is needed. By default
         the detector finds them.
-    stylize : bool
-        Draw the portrait as a cartoon with larger eyes first.
+    stylize : bool or Stylizer
+        Draw the portrait as a cartoon with larger eyes first, or by a stylizer of your own.
     model : FaceModel, optional
         The shipped one by default.
     detector : FaceDetector, optional
@@ -122,20 +122,20 @@ def build(
 
 
 def _built(
-    picture: np.ndarray, larger: float, marks: FaceLandmarks, stylize: bool, tools: _Tools, clock: _Clock
+    picture: np.ndarray, larger: float, marks: FaceLandmarks, stylize: bool | Stylizer, tools: _Tools, clock: _Clock
 ) -> Avatar:
     stages: dict[str, np.ndarray] = {}
     square, to_square, from_square = _squared(picture, marks)
     marks = marks.moved(to_square).snapped()
     stages["portrait"] = square
-    with clock("mask"):
-        person = _person(square, marks)
-    warp = None
+    back = None
     if stylize:
         with clock("stylize"):
-            warp = EyeWarp.of(marks)
-            square, person, marks = cartoon(warp.picture(square)), warp.picture(person), marks.moved(warp)
+            stylized = (drawn if stylize is True else stylize)(square, marks)
+        square, marks, back = stylized.image, stylized.marks.snapped(), stylized.back
         stages["cartoon"] = square
+    with clock("mask"):
+        person = _person(square, marks)
     refine = tools.model.template.subdivision
     with clock("coarse"):
         oval = face_oval(marks.points, square.shape[:2])
@@ -151,8 +151,8 @@ def _built(
         shown = _with_eyes(aligned, fit_eyeballs(tools.model, aligned, refine @ fit.vertices))
         texture = tools.texture(square, person, fit, shown, eyes, marks)
     landmarks = fit.camera.project(shown[tools.model.landmarks])
-    if warp is not None:
-        landmarks = warp.back(landmarks)
+    if back is not None:
+        landmarks = back(landmarks)
     origin, unit = larger * from_square(np.array([[0.0, 0.0], [1.0, 0.0]]))
     scale = float(unit[0] - origin[0])
     camera = Camera(fit.camera.rotation, fit.camera.scale * scale, fit.camera.translation * scale + origin)

@@ -21,7 +21,7 @@ _PIXELS = 150.0  # how many independent pixels a face counts as
 _PRIOR = {"identity": 1.0, "expression": 1.0, "texture": 1.0}  # weights of equation 6
 _JAW, _JAW_WEIGHT = slice(0, 17), 0.3  # landmarks of the contour, which no vertex has for certain
 _FAR_SIDE = 30.0  # degrees of turning by which the far half of the contour counts no more
-_LANDMARK_STEPS, _PHOTO_STEPS = 70, 60
+_LANDMARK_STEPS, _PHOTO_STEPS, _ADJUST_STEPS = 70, 60, 200
 _SLIDE, _REFRESH = 5, 20  # steps between new places along contours, and between looks at what is visible
 _RATE = 0.08
 
@@ -117,7 +117,7 @@ class CoarseFitter:
         optimiser = torch.optim.Adam(unknowns.values(), lr=_RATE)
         picture = _tensor(image.transpose(2, 0, 1)[None] / 255.0)
         sure = _tensor(confidence[None, None])
-        seen = None
+        seen = torch.empty(0, dtype=torch.long)
         for step in range(_LANDMARK_STEPS + _PHOTO_STEPS):
             optimiser.zero_grad()
             points, albedo = self._shape(unknowns)
@@ -136,6 +136,29 @@ class CoarseFitter:
                     points, projected, rotation, albedo, unknowns["light"], picture, sure, seen
                 )
             loss.backward()
+            optimiser.step()
+        return self._result(unknowns)
+
+    def adjusted(self, fit: CoarseFit, landmarks: np.ndarray, identity: bool) -> CoarseFit:
+        """The fit with its coefficients moved until landmarks are nearest: equation 7, which the paper compares with.
+
+        Parameters
+        ----------
+        fit : CoarseFit
+        landmarks : (68, 2) array
+            Pixels.
+        identity : bool
+            Move the identity too, not the expression alone.
+        """
+        unknowns = self._start(landmarks, fit)
+        moved = [unknowns[name] for name in (("identity", "expression") if identity else ("expression",))]
+        optimiser = torch.optim.Adam(moved, lr=_RATE)
+        weights, wanted = _tensor(landmark_weights(fit.camera)), _tensor(landmarks)
+        for _ in range(_ADJUST_STEPS):
+            optimiser.zero_grad()
+            points, _ = self._shape(unknowns)
+            projected, _ = _project(points[len(self._skin) :], unknowns)
+            (weights * (projected - wanted).norm(dim=1)).sum().backward()
             optimiser.step()
         return self._result(unknowns)
 

@@ -39,7 +39,8 @@ def textured(
     at = (uv[corners] * share).sum(axis=1)
     places = np.zeros((pixels, pixels, 2), dtype=np.float32)
     places[drawn] = at * (texture.shape[1], -texture.shape[0]) + (-0.5, texture.shape[0] - 0.5)
-    colour = cv2.remap(texture, places, None, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE).astype(np.float32)
+    x, y = cv2.split(places)
+    colour = cv2.remap(texture, x, y, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE).astype(np.float32)
     normals = np.nan_to_num(np.asarray(igl.per_vertex_normals(vertices, faces))) @ view.rotation.T
     light = _AMBIENT + (1 - _AMBIENT) * np.clip(normals @ (_LIGHT / np.linalg.norm(_LIGHT)), 0, None)
     colour[drawn] *= (light[corners][..., None] * share).sum(axis=1)

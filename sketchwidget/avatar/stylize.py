@@ -1,13 +1,16 @@
-"""A portrait as a cartoon, without a network: flat colours, drawn edges, large eyes."""
+"""A portrait as a cartoon. Without a network: flat colours, drawn edges, large eyes."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Protocol
 
 import cv2
 import numpy as np
 
-from ..portrait.landmarks import EYES, FaceLandmarks
+from ..portrait.landmarks import EYES, FaceDetector, FaceLandmarks
+from .stylegan import Generator, picture, project, swap_layers
 
 _SIDE = 512.0  # pixels of the picture that the sizes below are for
 _BILATERAL = (9, 28.0, 7.0)  # diameter, and spreads in colour and space
@@ -17,6 +20,73 @@ _SATURATION, _BRIGHTNESS = 1.18, 1.04
 _EDGE_SIGMA, _EDGE_RATIO, _EDGE_GAIN, _EDGE_DARK = 1.0, 1.6, 9.0, 0.35  # extended difference of Gaussians
 _EYES_LARGER = 0.24  # by what share, in the middle of an eye
 _EYE_REACH = 1.5  # of the breadth of an eye: where the enlargement ends
+
+
+@dataclass(frozen=True, eq=False)
+class Stylized:
+    """A stylised portrait.
+
+    Parameters
+    ----------
+    image : (H, W, 3) uint8 array
+    marks : FaceLandmarks
+        In its pixels.
+    back : function
+        Takes points (n, 2) of it to where they are in the portrait.
+    """
+
+    image: np.ndarray
+    marks: FaceLandmarks
+    back: Callable[[np.ndarray], np.ndarray]
+
+
+class Stylizer(Protocol):
+    """Draws portraits; any function with these arguments serves."""
+
+    def __call__(self, image: np.ndarray, marks: FaceLandmarks) -> Stylized:
+        """Draw a square portrait (H, H, 3) uint8 with the marks of its face."""
+        ...
+
+
+def drawn(image: np.ndarray, marks: FaceLandmarks) -> Stylized:
+    """The usual stylizer: eyes enlarged, then the cartoon filter."""
+    warp = EyeWarp.of(marks)
+    return Stylized(cartoon(warp.picture(image)), marks.moved(warp), warp.back)
+
+
+class StyleGanStylizer:
+    """Draws portraits by two StyleGAN2 generators whose layers are swapped.
+
+    Parameters
+    ----------
+    base, other : dict of tensors
+        State dicts of a generator of photographs and of the same trained on with cartoons; see `load_generator`.
+    resolution : int
+        Layers up to this one come from the cartoons' generator.
+    detector : FaceDetector
+        Finds the face again in what was drawn, which has other shapes than the portrait.
+    steps : int
+        Of the search for the codes of a portrait.
+
+    Raises
+    ------
+    ValueError
+        If the generators do not fit each other or are none.
+    """
+
+    def __init__(self, base: dict, other: dict, resolution: int, detector: FaceDetector, steps: int = 200) -> None:
+        self._photographs = Generator.of(base)
+        self._cartoons = Generator.of(swap_layers(base, other, resolution))
+        self._detector, self._steps = detector, steps
+
+    def __call__(self, image: np.ndarray, marks: FaceLandmarks) -> Stylized:
+        """Draw a square portrait; a ValueError if no face is found in what was drawn."""
+        codes = project(self._photographs, image, self._steps)
+        made = cv2.resize(picture(self._cartoons, codes), image.shape[1::-1], interpolation=cv2.INTER_CUBIC)
+        boxes = self._detector.faces(made)
+        if not len(boxes):
+            raise ValueError("no face is found in the cartoon: swap fewer layers, or take stylize=True")
+        return Stylized(made, self._detector.landmarks(made, boxes[0]), lambda points: points)
 
 
 @dataclass(frozen=True)
@@ -69,7 +139,8 @@ class EyeWarp:
         """The picture (H, W, ...) with its eyes enlarged."""
         row, column = np.mgrid[: image.shape[0], : image.shape[1]]
         source = (self.back(np.stack([column + 0.5, row + 0.5], axis=-1)) - 0.5).astype(np.float32)
-        return cv2.remap(image, source, None, cv2.INTER_CUBIC, borderMode=cv2.BORDER_REPLICATE)
+        x, y = cv2.split(source)
+        return cv2.remap(image, x, y, cv2.INTER_CUBIC, borderMode=cv2.BORDER_REPLICATE)
 
 
 def cartoon(image: np.ndarray) -> np.ndarray:

@@ -22,6 +22,7 @@ from .template import AvatarTemplate
 _FACING = (0.15, 0.5)  # cosine with the view: from where a texel is seen, and where wholly
 _HIDDEN_MM = 2.0  # behind another surface
 _NECK_MM = (2.0, 10.0)  # below the chin: what is there may be a collar
+_JAW = 0.01  # of its breadth: how far inside it the face is sure
 _EAR_MM = 21.0  # about the ears' outline: hair may lie over them
 _PULL = 0.02  # of hidden skin towards the typical colour of its region, against its neighbours
 _ROUGH = 0.5  # of a mask: what is surely the person
@@ -126,8 +127,8 @@ class TextureBaker:
         """
         picture = diffused(image, person > _ROUGH)
         head = np.asarray(head, dtype=np.float64)
-        trust = self._trust(head, fit.camera, image.shape[:2])
         pixels = fit.camera.project(head)
+        trust = self._trust(head, fit.camera, image.shape[:2]) * _above_jaw(pixels, marks.points)
         seen = _sampled(picture, pixels)
         colour = self._completed(seen, trust, self._flat_colours(fit))
 
@@ -209,19 +210,24 @@ class TextureBaker:
         return np.clip(colour, 0, 255)
 
 
+def _above_jaw(pixels: np.ndarray, landmarks: np.ndarray) -> np.ndarray:
+    """Which points (n, 2) the jaw of landmarks (68, 2) does not part from the face: beside it are hair and collar."""
+    jaw = landmarks[:17]
+    width, high = np.ptp(jaw[:, 0]), jaw[:, 1].min() - 10 * np.ptp(jaw[:, 1])
+    outline = np.concatenate([[[jaw[0, 0] - width, high]], [jaw[0] - (width, 0)], jaw, [jaw[-1] + (width, 0)]])
+    outline = np.concatenate([outline, [[jaw[-1, 0] + width, high]]]).astype(np.float32)
+    margin = _JAW * width
+    return np.array([cv2.pointPolygonTest(outline, point, True) > margin for point in pixels.tolist()], dtype=float)
+
+
 def _sampled(picture: np.ndarray, points: np.ndarray) -> np.ndarray:
     """Colours (n, 3) at pixels (n, 2), between them linear, beyond the border its own."""
     at = (points - 0.5).astype(np.float32)
     columns = 4096  # OpenCV maps pictures, not lists, and no side may pass 32,767
     padded = np.zeros((-(-len(at) // columns) * columns, 2), dtype=np.float32)
     padded[: len(at)] = at
-    sampled = cv2.remap(
-        picture.astype(np.float32),
-        padded.reshape(-1, columns, 2),
-        None,
-        cv2.INTER_LINEAR,
-        borderMode=cv2.BORDER_REPLICATE,
-    )
+    x, y = cv2.split(padded.reshape(-1, columns, 2))
+    sampled = cv2.remap(picture.astype(np.float32), x, y, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
     return sampled.reshape(-1, 3)[: len(at)]
 
 

@@ -6,8 +6,8 @@ import numpy as np
 
 from ..sketch import resample
 
-# Points of the mesh, the subject's right side first. It has no counterpart of the points of contour and brows: these are
-# spread over its oval, and along the middle of its brows.
+# Points of the mesh, the subject's right side first. The contour's are spread evenly over its oval, the brows' lie
+# along their middle.
 _OVAL = (127, 234, 93, 132, 58, 172, 136, 150, 149, 176, 148, 152)
 _OVAL += (377, 400, 378, 379, 365, 397, 288, 361, 323, 454, 356)
 _UPPER_BROWS = (70, 63, 105, 66, 107, 336, 296, 334, 293, 300)
