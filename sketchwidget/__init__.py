@@ -20,7 +20,6 @@ if TYPE_CHECKING:
 __version__ = "0.1.0"
 
 # Each public name and the room that defines it: imported on first use, so that `import sketchwidget` stays light.
-_ROOMS = {"caricature"}  # public as a whole
 _HOMES = {
     "DrawingCollector": "widgets",
     "Face": "face",
@@ -36,7 +35,7 @@ _HOMES = {
     "View": "geometry",
     "register_gesture": "session",
 }
-_ROOMS = ("avatar",)  # public as modules
+_ROOMS = ("avatar", "caricature")  # public as a whole
 
 __all__ = [
     "GESTURES",

@@ -25,6 +25,7 @@ from .camera import Camera
 from .coarse import CoarseFitter
 from .eyes import Eyeball, fit_eyeballs
 from .fine import FineFitter
+from .network import PortraitNetwork
 from .rig import RigBuilder
 from .stylize import Stylizer, drawn
 from .template import AvatarTemplate
@@ -73,6 +74,7 @@ def build(
     model: FaceModel | None = None,
     detector: FaceDetector | None = None,
     face: int | None = None,
+    network: PortraitNetwork | None = None,
 ) -> Avatar:
     """An animatable cartoon head from one portrait.
 
@@ -91,6 +93,8 @@ def build(
         MediaPipe's by default, whose models `sketchwidget models` fetches; nothing is downloaded here.
     face : int, optional
         Which one if there are several, counted from the left.
+    network : PortraitNetwork, optional
+        Gives the fit its first guess, as `sketchwidget train portraits` trains one; by default it is the mean face.
 
     Returns
     -------
@@ -116,13 +120,19 @@ def build(
     threads = torch.get_num_threads()
     torch.set_num_threads(1)  # small tensors: several threads wait for each other
     try:
-        return _built(picture, larger, marks, stylize, tools, clock)
+        return _built(picture, larger, marks, stylize, tools, network, clock)
     finally:
         torch.set_num_threads(threads)
 
 
 def _built(
-    picture: np.ndarray, larger: float, marks: FaceLandmarks, stylize: bool | Stylizer, tools: _Tools, clock: _Clock
+    picture: np.ndarray,
+    larger: float,
+    marks: FaceLandmarks,
+    stylize: bool | Stylizer,
+    tools: _Tools,
+    network: PortraitNetwork | None,
+    clock: _Clock,
 ) -> Avatar:
     stages: dict[str, np.ndarray] = {}
     square, to_square, from_square = _squared(picture, marks)
@@ -139,7 +149,8 @@ def _built(
     refine = tools.model.template.subdivision
     with clock("coarse"):
         oval = face_oval(marks.points, square.shape[:2])
-        fit = tools.coarse.fit(square, marks.points, person * oval)
+        start = None if network is None else network.predict(square, tools.coarse)
+        fit = tools.coarse.fit(square, marks.points, person * oval, start)
     with clock("fine"):
         posed = tools.fine.fit(fit, marks)
         rest = tools.coarse.coarse(fit.identity, _neutral(tools.model))

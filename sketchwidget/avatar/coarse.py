@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 import torch
 from scipy import sparse
+from scipy.spatial.transform import Rotation
 
 from ..face.model import FaceModel
 from ..face.template import PARTS
@@ -24,6 +25,8 @@ _FAR_SIDE = 30.0  # degrees of turning by which the far half of the contour coun
 _LANDMARK_STEPS, _PHOTO_STEPS, _ADJUST_STEPS = 70, 60, 200
 _SLIDE, _REFRESH = 5, 20  # steps between new places along contours, and between looks at what is visible
 _RATE = 0.08
+USUAL_LIGHT = (3.0, 0.2, 0.4, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)  # from above and before
+_NOTHING = torch.empty(0, dtype=torch.long)
 
 
 @dataclass(frozen=True, eq=False)
@@ -111,33 +114,54 @@ class CoarseFitter:
         -------
         CoarseFit
         """
+        picture, sure = as_tensors(image, confidence)
         unknowns = self._start(landmarks, start)
-        camera = self._camera(unknowns)
-        weights = _tensor(landmark_weights(camera))
+        weights = _tensor(landmark_weights(self._camera(unknowns)))
         optimiser = torch.optim.Adam(unknowns.values(), lr=_RATE)
-        picture = _tensor(image.transpose(2, 0, 1)[None] / 255.0)
-        sure = _tensor(confidence[None, None])
-        seen = torch.empty(0, dtype=torch.long)
+        seen = _NOTHING
         for step in range(_LANDMARK_STEPS + _PHOTO_STEPS):
             optimiser.zero_grad()
-            points, albedo = self._shape(unknowns)
-            projected, rotation = _project(points, unknowns)
+            if step >= _LANDMARK_STEPS and (step - _LANDMARK_STEPS) % _REFRESH == 0:
+                seen = self.visible(unknowns)
             if step % _SLIDE == 0:
-                wanted = _tensor(slid(projected[len(self._skin) :].detach().numpy(), landmarks))
-            scale = unknowns["scale"].detach().exp()
-            off = ((projected[len(self._skin) :] - wanted) / scale).square().sum(dim=1)
-            loss = 0.5 * (weights * off).sum() / _LANDMARK_MM**2
-            for name, weight in _PRIOR.items():
-                loss = loss + 0.5 * weight * unknowns[name].square().sum()
-            if step >= _LANDMARK_STEPS:
-                if (step - _LANDMARK_STEPS) % _REFRESH == 0:
-                    seen = self._visible(points, rotation)
-                loss = loss + self._photometric(
-                    points, projected, rotation, albedo, unknowns["light"], picture, sure, seen
-                )
-            loss.backward()
+                wanted = _tensor(slid(self.landmarks(unknowns).numpy(), landmarks))
+            self.loss(unknowns, wanted, weights, picture, sure, seen).backward()
             optimiser.step()
-        return self._result(unknowns)
+        return self.result(unknowns)
+
+    def loss(
+        self,
+        unknowns: dict[str, torch.Tensor],
+        wanted: torch.Tensor,
+        weights: torch.Tensor,
+        picture: torch.Tensor,
+        sure: torch.Tensor,
+        seen: torch.Tensor,
+    ) -> torch.Tensor:
+        """Equation 3, as the negative logarithm of a probability.
+
+        Parameters
+        ----------
+        unknowns : dict of tensors
+            "identity", "expression" and "texture" in standard deviations, "light" (9,), "turn" (3,) as axis times
+            angle, "scale" as its logarithm, "shift" (2,) in centimetres.
+        wanted, weights : (68, 2) and (68,) tensors
+            Landmarks in pixels, and how much each counts.
+        picture, sure : (1, 3, H, W) and (1, 1, H, W) tensors
+            Colours and confidence, 0 to 1.
+        seen : (k,) tensor
+            Vertices that are visible; of none, colours do not count.
+        """
+        points, albedo = self._shape(unknowns)
+        projected, rotation = _project(points, unknowns)
+        off = ((projected[len(self._skin) :] - wanted) / unknowns["scale"].detach().exp()).square().sum(dim=1)
+        loss = 0.5 * (weights * off).sum() / _LANDMARK_MM**2
+        for name, weight in _PRIOR.items():
+            loss = loss + 0.5 * weight * unknowns[name].square().sum()
+        if len(seen):
+            light = unknowns["light"]
+            loss = loss + self._photometric(points, projected, rotation, albedo, light, picture, sure, seen)
+        return loss
 
     def adjusted(self, fit: CoarseFit, landmarks: np.ndarray, identity: bool) -> CoarseFit:
         """The fit with its coefficients moved until landmarks are nearest: equation 7, which the paper compares with.
@@ -160,7 +184,7 @@ class CoarseFitter:
             projected, _ = _project(points[len(self._skin) :], unknowns)
             (weights * (projected - wanted).norm(dim=1)).sum().backward()
             optimiser.step()
-        return self._result(unknowns)
+        return self.result(unknowns)
 
     def coarse(self, identity: np.ndarray, expression: np.ndarray) -> np.ndarray:
         """The coarse mesh (n, 3) of bilinear weights."""
@@ -168,13 +192,15 @@ class CoarseFitter:
         code = bilinear.core @ expression @ identity
         return (bilinear.mean + bilinear.basis @ code).reshape(-1, 3).astype(np.float64)
 
+    @property
+    def sizes(self) -> dict[str, int]:
+        """How many numbers each of the unknowns is, by name; see `loss`."""
+        sizes = {"identity": len(self._centres[0]), "expression": len(self._centres[1])}
+        return sizes | {"texture": len(self._albedo_basis), "light": 9, "turn": 3, "scale": 1, "shift": 2}
+
     def _start(self, landmarks: np.ndarray, start: CoarseFit | None) -> dict[str, torch.Tensor]:
-        shapes = {"identity": len(self._centres[0]), "expression": len(self._centres[1])}
-        shapes |= {"texture": len(self._albedo_basis), "turn": 3}
-        values = {name: torch.zeros(size) for name, size in shapes.items()}
-        light = torch.zeros(9)
-        light[0], light[2], light[1] = 3.0, 0.4, 0.2
-        values["light"] = light
+        values = {name: torch.zeros(size) for name, size in self.sizes.items()}
+        values["light"] = torch.tensor(USUAL_LIGHT)
         if start is None:
             rest = self._model.mean[self._model.landmarks].astype(np.float64)
             camera = Camera.of(rest, landmarks, landmark_weights())
@@ -226,18 +252,29 @@ class CoarseFitter:
     def _faces_tensor(self) -> torch.Tensor:
         return torch.from_numpy(self._faces.astype(np.int64))
 
-    def _visible(self, points: torch.Tensor, rotation: torch.Tensor) -> torch.Tensor:
-        skin, turn = points[: len(self._skin)].detach().numpy().astype(np.float64), rotation.detach().numpy()
+    def visible(self, unknowns: dict[str, torch.Tensor]) -> torch.Tensor:
+        """The vertices (k,) of the skin that the camera sees, for `loss`."""
+        with torch.no_grad():
+            points, _ = self._shape(unknowns)
+            turn = rotation_of(unknowns["turn"]).numpy().astype(np.float64)
+        skin = points[: len(self._skin)].numpy().astype(np.float64)
         facing = vertex_normals(torch.from_numpy(skin), self._faces_tensor).numpy() @ turn[2] > 0.1
-        facing[facing] = visible(skin[facing], skin, self._faces, turn.astype(np.float64), tolerance=2.0)
+        facing[facing] = visible(skin[facing], skin, self._faces, turn, tolerance=2.0)
         return torch.from_numpy(np.flatnonzero(facing))
 
+    def landmarks(self, unknowns: dict[str, torch.Tensor]) -> torch.Tensor:
+        """The head's landmarks (68, 2) in pixels, without gradients."""
+        with torch.no_grad():
+            points, _ = self._shape(unknowns)
+            return _project(points[len(self._skin) :], unknowns)[0]
+
     def _camera(self, unknowns: dict[str, torch.Tensor]) -> Camera:
-        rotation = _rotation(unknowns["turn"]).detach().numpy().astype(np.float64)
+        rotation = rotation_of(unknowns["turn"]).detach().numpy().astype(np.float64)
         scale = float(unknowns["scale"].detach().exp())
         return Camera(rotation, scale, 10 * scale * unknowns["shift"].detach().numpy().astype(np.float64))
 
-    def _result(self, unknowns: dict[str, torch.Tensor]) -> CoarseFit:
+    def result(self, unknowns: dict[str, torch.Tensor]) -> CoarseFit:
+        """What unknowns (see `loss`) stand for."""
         values = {name: value.detach().numpy() for name, value in unknowns.items()}
         u, v = (
             (centre + spread * unknowns[name].detach()).numpy()
@@ -248,12 +285,17 @@ class CoarseFitter:
 
 def _project(points: torch.Tensor, unknowns: dict[str, torch.Tensor]) -> tuple[torch.Tensor, torch.Tensor]:
     """Pixels (r, 2) of points (r, 3), and the rotation (3, 3)."""
-    rotation, scale = _rotation(unknowns["turn"]), unknowns["scale"].exp()
+    rotation, scale = rotation_of(unknowns["turn"]), unknowns["scale"].exp()
     seen = points @ rotation[:2].T * torch.tensor([1.0, -1.0])
     return scale * (seen + 10 * unknowns["shift"]), rotation
 
 
-def _rotation(turn: torch.Tensor) -> torch.Tensor:
+def as_tensors(image: np.ndarray, confidence: np.ndarray) -> tuple[torch.Tensor, torch.Tensor]:
+    """A picture (H, W, 3) uint8 and a confidence (H, W) as `CoarseFitter.loss` takes them."""
+    return _tensor(image.transpose(2, 0, 1)[None] / 255.0), _tensor(confidence[None, None])
+
+
+def rotation_of(turn: torch.Tensor) -> torch.Tensor:
     """Rotation (3, 3) by a vector (3,): its axis, and as its length the angle in radians."""
     zero = torch.zeros(())
     x, y, z = turn.unbind()
@@ -261,8 +303,6 @@ def _rotation(turn: torch.Tensor) -> torch.Tensor:
 
 
 def _turn_vector(rotation: np.ndarray) -> torch.Tensor:
-    from scipy.spatial.transform import Rotation
-
     return _tensor(Rotation.from_matrix(rotation).as_rotvec())
 
 

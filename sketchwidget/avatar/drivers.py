@@ -20,8 +20,8 @@ from .camera import Camera
 from .coarse import landmark_weights
 from .performance import FPS, Performance
 
-_SMALL = 0.35  # of a millimetre for a weight: what landmarks hardly show stays at rest
-_ROUNDS = 3  # of pose and weights in turn
+_SMALL = 0.2  # of a millimetre for a weight: what landmarks hardly show stays at rest
+_ROUNDS = 5  # of pose and weights in turn
 _LEFT_OUT = ("eyeLook", "tongue", "cheekPuff")  # landmarks do not show them
 _MAX_FRAMES = 10_000
 

@@ -42,7 +42,7 @@ class Generator(nn.Module):
     def __init__(self, style: int, mapping: int, channels: list[int]) -> None:
         super().__init__()
         self.size = 4 * 2 ** (len(channels) - 1)
-        self.codes = 2 * len(channels)
+        self.codes, self._code_size = 2 * len(channels), style
         layers = [_Linear(style, style, _MAPPING_RATE, active=True) for _ in range(mapping)]
         self.style = nn.Sequential(_PixelNorm(), *layers)
         self.input = _Constant(channels[0])
@@ -71,9 +71,8 @@ class Generator(nn.Module):
     def mean_code(self, samples: int = 1024) -> Tensor:
         """Mean (style,) of what the mapping network makes of random codes; the same at every call."""
         random = torch.Generator().manual_seed(0)
-        size = self.style[1].weight.shape[1]
         with torch.no_grad():
-            return self.style(torch.randn(samples, size, generator=random)).mean(dim=0)
+            return self.style(torch.randn(samples, self._code_size, generator=random)).mean(dim=0)
 
     @classmethod
     def of(cls, state: dict[str, Tensor]) -> Generator:
@@ -264,9 +263,8 @@ class _Modulated(nn.Module):
         super().__init__()
         self.weight = nn.Parameter(torch.randn(1, channels_out, channels_in, kernel, kernel))
         self.modulation = _Linear(style, channels_in, bias=1.0)
-        if up:
-            self.blur = _Kernel()
-        self._up, self._normal, self._scale = up, normal, 1 / (channels_in * kernel**2) ** 0.5
+        self.blur: _Kernel | None = _Kernel() if up else None
+        self._normal, self._scale = normal, 1 / (channels_in * kernel**2) ** 0.5
 
     def forward(self, x: Tensor, code: Tensor) -> Tensor:
         batch, channels, height, width = x.shape
@@ -274,7 +272,7 @@ class _Modulated(nn.Module):
         if self._normal:
             weight = weight * torch.rsqrt(weight.square().sum(dim=(2, 3, 4), keepdim=True) + 1e-8)
         x = x.reshape(1, batch * channels, height, width)
-        if self._up:
+        if self.blur is not None:
             weight = weight.transpose(1, 2).flatten(0, 1)
             x = functional.conv_transpose2d(x, weight, stride=2, groups=batch)
             x = x.reshape(batch, -1, *x.shape[2:])

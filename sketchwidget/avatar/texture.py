@@ -25,7 +25,7 @@ _NECK_MM = (2.0, 10.0)  # below the chin: what is there may be a collar
 _JAW = 0.01  # of its breadth: how far inside it the face is sure
 _EAR_MM = 21.0  # about the ears' outline: hair may lie over them
 _PULL = 0.02  # of hidden skin towards the typical colour of its region, against its neighbours
-_ROUGH = 0.5  # of a mask: what is surely the person
+_SURE, _RIM = 0.7, 0.012  # of a mask: what is the person; of the picture's side: its rim, which has background in it
 
 _MENTON = 8
 
@@ -57,10 +57,14 @@ def diffused(image: np.ndarray, inside: np.ndarray) -> np.ndarray:
     frame = np.zeros_like(reached)
     frame[[0, -1]] = frame[:, [0, -1]] = True
     closed = (reached | frame).ravel()
-    front = np.flatnonzero(reached)
+    stamp = np.zeros(closed.shape, dtype=np.int64)
+    front = np.flatnonzero(reached & (cv2.erode(reached.astype(np.uint8), np.ones((3, 3))) == 0))
     while len(front):
-        following = np.unique((front[:, None] + around).ravel())
+        following = (front[:, None] + around).ravel()
         following = following[~closed[following]]
+        number = np.arange(len(following))
+        stamp[following] = number
+        following = following[stamp[following] == number]  # each once
         total = flat[following[:, None] + around].sum(axis=1)
         flat[following] = total / total[:, 3:]
         closed[following] = True
@@ -125,7 +129,9 @@ class TextureBaker:
         marks : FaceLandmarks
             Of the picture; tells where its irises are.
         """
-        picture = diffused(image, person > _ROUGH)
+        rim = 2 * round(_RIM * len(image) / 2) + 1
+        inside = cv2.erode((person > _SURE).astype(np.uint8), np.ones((rim, rim)), borderValue=1) > 0
+        picture = diffused(image, inside)
         head = np.asarray(head, dtype=np.float64)
         pixels = fit.camera.project(head)
         trust = self._trust(head, fit.camera, image.shape[:2]) * _above_jaw(pixels, marks.points)

