@@ -246,6 +246,8 @@ class _Constant(nn.Module):
 class _Kernel(nn.Module):
     """The blur that goes with doubling a picture."""
 
+    kernel: Tensor
+
     def __init__(self) -> None:
         super().__init__()
         row = torch.tensor(_BLUR)

@@ -70,3 +70,13 @@ def test_missing_package_says_what_to_install(monkeypatch):
 def test_missing_target_is_named(source):
     with pytest.raises(FileNotFoundError, match="nose-of-gold"):
         source._target(source._targets / "nose" / "nose-of-gold.target.gz")
+
+
+def test_recipes_are_sums_of_facial_actions(source):
+    rest, actions = source.actions()
+    poses = source.poses()
+    assert len(actions) == 52
+    np.testing.assert_allclose(poses["neutral"], rest)
+    np.testing.assert_allclose(poses["mouth_open"], rest + 0.55 * actions["jawOpen"], atol=1e-6)
+    both = actions["eyeBlinkLeft"] + actions["eyeBlinkRight"]
+    np.testing.assert_allclose(poses["eyes_closed"], rest + both, atol=1e-6)
