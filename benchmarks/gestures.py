@@ -64,9 +64,9 @@ def main() -> None:
             for name, row in zip(names, found.confusion, strict=True)
         ),
         "",
-        "Letters and digits of three Hershey fonts, which no training met, in one stroke each, without those whose shape"
-        f" is a gesture's ({' '.join(sorted(LOOK_ALIKES))}): how many are taken for one, as they are in the font, and as"
-        " ten simulated writers write them.",
+        "Letters and digits of three Hershey fonts, which no training met, in one stroke each, without those whose"
+        f" shape is a gesture's ({' '.join(sorted(LOOK_ALIKES))}): how many are taken for one, as they are in the font,"
+        " and as ten simulated writers write them.",
         "",
         "| font | letters and digits | as they are | as written |",
         "|---|---|---|---|",

@@ -14,7 +14,7 @@ from safetensors.torch import save_file
 from torch import Tensor, nn
 
 from ..face.model import FaceModel
-from ..face.tensorfile import read, writing
+from ..files.tensorfile import read, writing
 from .coarse import USUAL_LIGHT, CoarseFit, CoarseFitter
 
 FORMAT = "sketchwidget portrait network 1"

@@ -13,7 +13,7 @@ import numpy as np
 from safetensors.numpy import save_file
 
 from ..face.model import FaceModel
-from ..face.tensorfile import read, writing
+from ..files.tensorfile import read, writing
 
 FORMAT = "sketchwidget avatar template 1"
 
