@@ -22,7 +22,6 @@ from typer.core import TyperGroup
 
 from sketchwidget import __version__
 from sketchwidget.database.commands import database, drawings
-from sketchwidget.portrait.commands import models
 from sketchwidget.training.commands import evaluate, train
 
 
@@ -47,7 +46,6 @@ main.add_typer(train, name="train")
 main.add_typer(drawings, name="drawings")
 main.command()(database)
 main.command()(evaluate)
-main.command()(models)
 
 
 def fail(message: str) -> NoReturn:
@@ -92,6 +90,22 @@ def studio(
     # The page is the Studio and nothing else, whatever the user's notebook holds.
     with TemporaryDirectory(prefix="sketchwidget-") as folder:
         _serve_page(_write_notebook(Path(folder)), host, port)
+
+
+@main.command()
+def models(yes: Annotated[bool, typer.Option("--yes", help="Do not ask.")] = False) -> None:
+    """Fetch the models that find faces, landmarks, eyelids and persons in pictures (MediaPipe's, Apache-2.0)."""
+    from sketchwidget.portrait.models import DOWNLOAD_MB, fetch, folder, missing
+
+    wanted = missing()
+    if not wanted:
+        typer.echo(f"All portrait models are in {folder()}.")
+        return
+    typer.echo(f"Missing: {', '.join(wanted)}. They come from the package mediapipe, {DOWNLOAD_MB} MB through pip.")
+    if not yes and not typer.confirm("Download?"):
+        raise typer.Exit(1)
+    fetch()
+    typer.echo(f"The portrait models are in {folder()}.")
 
 
 def studio_notebook(folder: Path) -> Path:
