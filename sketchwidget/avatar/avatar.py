@@ -46,8 +46,10 @@ class Avatar:
         Of the portrait, in pixels of the picture given.
     marks : (68, 2) array
         Where the head's landmarks fall in the picture given.
-    stages : dict
-        Pictures of the way here, by name, and what each took.
+    stages : dict of arrays
+        The square "portrait" that was worked on and, if it was stylised, the "cartoon".
+    timings : dict
+        Milliseconds of each stage.
     """
 
     face: Face
