@@ -234,6 +234,23 @@ def test_a_gesture_infers_nothing():
     assert regressor.asked <= asked + 1
 
 
+def test_lines_edited_after_a_gesture_keep_it_on_top():
+    session = Session(REGRESSOR, inference=False)
+    session.brush(about(session.face, NOSE, 6))
+    session.gesture(drawn("up roll 3", place(session, NOSE)))
+    tip = session.face.landmarks[NOSE]
+    session.mode = "followup"
+    np.testing.assert_array_equal(session.face.landmarks[NOSE], tip)
+    brow = session.sketch.lines["left_brow"][0]
+    session.erase(brow[len(brow) // 2], radius=0.005)
+    session.draw(brow - np.array([0, 0.02]))
+    assert (
+        session.face.curve("left_brow")[:, 1].max()
+        > session.face.model.mean[:, 1][session.face.model.curves["left_brow"]].max() + 2.0
+    )
+    np.testing.assert_allclose(session.face.landmarks[NOSE], tip, atol=1.0)
+
+
 # -- bad input ---------------------------------------------------------------------------------------------------------
 
 
