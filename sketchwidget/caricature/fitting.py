@@ -129,7 +129,8 @@ def fit(
     landmarks : (68, 2) array-like
         Pixels, y down, in iBUG order.
     weights : (68,) array-like, optional
-        How much each landmark counts, 1 by default; one of weight 0 takes no part.
+        How much each landmark counts, 1 by default; only their ratios matter. One of weight 0 takes no part, and may be
+        anything.
     model : FaceModel, optional
         The shipped one by default.
     start : CaricatureFit, optional
@@ -154,7 +155,8 @@ def fit(
     ----------
     Wu, Zhang, Lai, Zheng and Cai, "Alive Caricature from 2D to 3D", CVPR 2018, section 4.
     """
-    landmarks, counts = as_landmarks(landmarks), as_weights(weights)
+    counts = as_weights(weights)
+    landmarks = as_landmarks(landmarks, counts)
     check_spread(landmarks[counts > 0])
     if iterations < 1 or not (np.isfinite(pull) and pull > 0):
         raise ValueError(f"a fit has at least one iteration and a positive pull; given {iterations} and {pull}")
@@ -192,15 +194,17 @@ class _Fitting:
     ) -> None:
         if start is not None and start.model is not head.model:
             raise ValueError("a fit goes on from one of the same model")
-        self._head, self._landmarks, self._counts, self._pull = head, landmarks, counts, pull
+        self._head, self._landmarks, self._pull = head, landmarks, pull
+        self._given, self._counts = counts, counts / counts[counts > 0].mean()
         self._places = head.model.landmarks.copy()
         if start is None:
             self.weights = np.zeros((2, head.space.size))
             self.vertices = head.model.mean
             # Where the jaw is seen depends on the camera, and can wait if there is enough else.
-            inner = np.where(np.arange(len(counts)) < JAW, 0.0, counts)
-            used = inner if (inner > 0).sum() >= FEWEST else counts
-            self.camera = Camera.fitted(self.vertices[self._places].astype(np.float64), landmarks, used)
+            seen = (counts > 0) & (np.arange(len(counts)) >= JAW)
+            seen = seen if seen.sum() >= FEWEST else counts > 0
+            points = self.vertices[self._places[seen]].astype(np.float64)
+            self.camera = Camera.fitted(points, landmarks[seen], self._counts[seen])
             check_orientation(self.camera)
         else:
             self.weights, self.vertices = start.weights, start.vertices
@@ -224,7 +228,7 @@ class _Fitting:
             self.vertices,
             self.camera,
             self._landmarks,
-            self._counts,
+            self._given,
             self._places,
             self.weights,
             self._head.names,

@@ -14,22 +14,22 @@ FEWEST = 8  # that count: a camera has six numbers, and a face is more than a ca
 _THINNEST = 0.02  # of the longer side: below, landmarks lie on a line
 
 
-def as_landmarks(landmarks: Any) -> np.ndarray:
-    """Landmarks (68, 2) float64 in pixels.
+def as_landmarks(landmarks: Any, weights: np.ndarray) -> np.ndarray:
+    """Landmarks (68, 2) float64 in pixels; one of weight 0 may be anything.
 
     Raises
     ------
     ValueError
-        If they are not 68 pairs of finite numbers.
+        If they are not 68 pairs of numbers, or one that counts is not finite.
     """
     try:
-        given = np.asarray(landmarks, dtype=np.float64)
+        given = np.array(landmarks, dtype=np.float64)
     except (TypeError, ValueError) as error:
         raise ValueError(f"landmarks are {COUNT} pairs (x, y) of pixels: {error}") from error
     if given.shape != (COUNT, 2):
         raise ValueError(f"landmarks are {COUNT} pairs (x, y) of pixels in iBUG order; given shape {given.shape}")
-    if not np.isfinite(given).all():
-        wrong = np.flatnonzero(~np.isfinite(given).all(axis=1))
+    wrong = np.flatnonzero(~np.isfinite(given).all(axis=1) & (weights > 0))
+    if len(wrong):
         raise ValueError(f"landmarks are finite; not so those numbered {', '.join(map(str, wrong))}")
     return given
 

@@ -97,6 +97,13 @@ def test_weights_count(drawn, model):
     assert heavy < 0.5 * light
 
 
+@pytest.mark.parametrize("times", [1e-6, 1e6])
+def test_only_ratios_of_weights_matter(drawn, model, times):
+    plain, scaled = (fit(drawn[1], weights, model, iterations=1) for weights in (None, np.full(68, times)))
+    np.testing.assert_allclose(scaled.vertices, plain.vertices, atol=1e-3)
+    np.testing.assert_array_equal(scaled.landmark_weights, times)
+
+
 def test_a_fit_goes_on_from_another(fitted, drawn, model):
     """As while a landmark is dragged: the nose's tip goes down, and the nose grows."""
     dragged = drawn[1].copy()

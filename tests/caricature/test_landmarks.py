@@ -27,6 +27,16 @@ def test_landmarks_that_are_not_finite_are_named(landmarks):
         fit(landmarks)
 
 
+def test_a_landmark_that_does_not_count_may_be_missing(landmarks, model):
+    weights = np.ones(68)
+    weights[[4, 40]] = 0
+    whole = fit(landmarks, weights, model, iterations=1)
+    landmarks[[4, 40]] = np.nan
+    found = fit(landmarks, weights, model, iterations=1)
+    np.testing.assert_allclose(found.vertices, whole.vertices, atol=1e-3)
+    assert np.isnan(found.errors[[4, 40]]).all() and np.isfinite(found.rmse)
+
+
 def test_landmarks_in_a_point_or_on_a_line_are_refused(landmarks):
     with pytest.raises(ValueError, match="68 that lie in one point"):
         fit(np.full((68, 2), 17.0))
