@@ -44,7 +44,10 @@ def gestured(state: State, event: Gesture, modeller: Modeller) -> State:
         raise ValueError(f"not a gesture: this stroke is none of {', '.join(GESTURES)}")
     shown = modeller.head(state)
     edit = Edit(event.points, event.view_in(shown.frame), shown.layers, state.refinement, modeller)
-    return replace(state, refinement=behaviour(name)(edit))
+    refinement = behaviour(name)(edit)
+    if not isinstance(refinement, Refinement):
+        raise ValueError(f"what {name!r} does must give a Refinement; it gave {refinement!r}")
+    return state if refinement is state.refinement else replace(state, refinement=refinement)
 
 
 def line(edit: Edit) -> Refinement:
@@ -131,9 +134,14 @@ def register_gesture(name: str, behaviour: Behaviour, recognise: Recogniser | No
     ------
     ValueError
         If the name is that of an arrow: these undo and redo, whatever was done.
+    TypeError
+        If the behaviour or what recognises it cannot be called.
     """
     if not isinstance(name, str) or not name or name in (LEFT_ARROW, RIGHT_ARROW):
         raise ValueError(f"a gesture has a name, which is not {LEFT_ARROW!r} or {RIGHT_ARROW!r}; given {name!r}")
+    for given in (behaviour, recognise):
+        if given is not None and not callable(given):
+            raise TypeError(f"a behaviour and what recognises it are functions; given {given!r}")
     _BEHAVIOURS[name] = behaviour
     _RECOGNISERS.pop(name, None)
     if recognise is not None:

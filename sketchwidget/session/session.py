@@ -329,6 +329,11 @@ class Session(HasTraits):
         except SessionFileError as error:
             raise SessionFileError(f"{os.fspath(path)}: {error}") from error
 
+    @property
+    def awake(self) -> bool:
+        """Whether the network is there: the first stroke would wait for it otherwise."""
+        return not self.inference or self._modeller.given is not None
+
     def prepare(self) -> None:
         """Load and compute what heads need, so that the first stroke does not wait for it."""
         self._modeller.prepare()

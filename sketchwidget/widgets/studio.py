@@ -181,7 +181,7 @@ class Studio(VBox):
     # -- what the user does --------------------------------------------------------------------------------------------
 
     def _on_stroke(self, points: np.ndarray, tool: str, mirror: bool) -> None:
-        if self._waking.is_alive():
+        if not self.session.awake:
             self._status.say("The network is waking up; the head follows in a moment.")
         before = self.session.sketch
         with self._status.reporting("The head could not follow this stroke, the drawing is kept"):
@@ -207,7 +207,7 @@ class Studio(VBox):
 
     def _on_partial(self, points: np.ndarray, mirror: bool) -> None:
         # Half a replacement would be stretched over the whole gap.
-        if self._waking.is_alive() or self.session.gap is not None or self._side != "front":
+        if not self.session.awake or self.session.gap is not None or self._side != "front":
             return
         with suppress(Exception):  # what is no stroke yet may become one; what fails is told when the stroke ends
             preview = self.session.preview(points[:, :2], mirror=mirror)

@@ -209,7 +209,7 @@ def test_what_a_script_draws_before_the_page_connects_is_shown(open_studio: Call
     until(studio.ink_pixels, what="the script's stroke")
     store, screen = studio.pad_size()
     assert abs(store - screen) <= 2  # sharp: a pixel of the canvas for each of the screen
-    head, width = studio.head.locator("canvas").evaluate("canvas => [canvas.width, canvas.clientWidth]")
+    head, width = studio.head.locator("canvas").first.evaluate("canvas => [canvas.width, canvas.clientWidth]")
     assert head == pytest.approx(2 * width, abs=2)
 
 

@@ -402,3 +402,13 @@ def test_a_tool_takes_any_stroke(session, restored):
 def test_arrows_are_not_taken():
     with pytest.raises(ValueError, match="left arrow"):
         register_gesture("left arrow", lambda edit: edit.refinement)
+
+
+def test_a_behaviour_that_gives_no_refinement_is_told_and_changes_nothing(session, restored):
+    register_gesture("forgetful", lambda edit: None)
+    before = session.face, session.events
+    with pytest.raises(ValueError, match="'forgetful' does must give a Refinement; it gave None"):
+        session.gesture([[0.4, 0.4], [0.5, 0.45], [0.6, 0.6]], tool="forgetful")
+    assert (session.face, session.events) == before
+    with pytest.raises(TypeError, match="given 3"):
+        register_gesture("three", 3)
