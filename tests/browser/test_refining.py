@@ -25,8 +25,8 @@ def model():
 
 
 def flash(studio):
-    shown = studio.head.locator(".sketchwidget-flash:not([hidden])")
-    return shown.inner_text() if shown.count() else ""
+    """What flashes now, read without waiting: a flash may end at any moment."""
+    return "".join(studio.head.locator(".sketchwidget-flash:not([hidden])").all_inner_texts())
 
 
 def act(studio, key, points, said):
