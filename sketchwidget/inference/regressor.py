@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import time
 from dataclasses import dataclass, field
 from importlib.resources import files
@@ -10,34 +9,29 @@ from pathlib import Path
 
 import numpy as np
 import torch
-from safetensors.torch import save_file
 from threadpoolctl import ThreadpoolController
 
 from ..face import Face, FaceModel
 from ..face.drawing import outline as drawn_outline
 from ..face.drawing import outline_weights
-from ..files.tensorfile import read, writing
 from ..geometry.view import CANVAS_MM, View
 from ..sketch import FEATURES, SILHOUETTE, UNNAMED, Sketch
 from .framing import Frame, place
 from .matching import DrawnLines, shape_code
 from .naming import name_strokes
-from .network import Layout, PixelShapeCNN
+from .network import PixelShapeCNN
+from .network_file import read_network
 from .normalise import Normalised, normalise
 from .outline import Outline
 from .refinement import LineRefiner
 from .shape_code import ShapeModel, sample
 from .soft_limit import soft_limit
 
-FORMAT = "sketchwidget network 2"
 NETWORKS = ("PixelShapeCNN", "PixelCNN")  # one file: the second is the first without its shape-level input
 _SHIPPED = "pixelshapecnn.safetensors"
 _MOVED_BY_EARS = 1.5  # mm
 # Standard deviations that weights may go to freely, and at most: beyond, heads dent and eyes leave their lids.
 _IDENTITY_LIMIT, _EXPRESSION_LIMIT = (2.0, 3.0), (2.5, 3.5)
-_STANDARD = ("identity_mean", "identity_std", "expression_mean", "expression_std")
-_SHAPE = "shape."
-_SHAPE_FIELDS = ("mean", "core", *_STANDARD)
 
 
 @dataclass(frozen=True)
@@ -296,19 +290,13 @@ class FaceRegressor:
         path = Path(str(files("sketchwidget") / "data" / _SHIPPED)) if name in NETWORKS else Path(name)
         if not path.is_file():
             raise FileNotFoundError(f"no network {name!r}: it is one of {', '.join(NETWORKS)}, or the path of a file")
-        header, tensors = read(path, "network", FORMAT, framework="pt")
         model = model or FaceModel.load()
-        if header.get("face_model") != model.fingerprint:
+        stored = read_network(path)
+        if stored.header.get("face_model") != model.fingerprint:
             raise ValueError(f"{path} was trained for another face model; train it anew, or give the model it is for")
-        try:
-            standard = {key: tensors.pop(key).numpy() for key in _STANDARD}
-            shape = ShapeModel(**{key: tensors.pop(_SHAPE + key).float().numpy() for key in _SHAPE_FIELDS})
-            network = PixelShapeCNN(model.identity_size, model.expression_size, Layout.from_json(header["layout"]))
-            network.load_state_dict(tensors)
-        except (KeyError, TypeError, ValueError, RuntimeError) as error:
-            raise ValueError(f"{path} is a damaged network: {error}") from error
-        pixels_only = name == "PixelCNN" or not network.layout.shape
-        return cls(model, network, standard, None if pixels_only else shape, refine, header.get("database", ""))
+        pixels_only = name == "PixelCNN" or not stored.network.layout.shape
+        shape_model = None if pixels_only else stored.shape_model
+        return cls(model, stored.network, stored.standard, shape_model, refine, stored.header.get("database", ""))
 
 
 def _standing(silhouette: np.ndarray, outline: Outline) -> View:
@@ -330,25 +318,3 @@ def _head_frame(curves: dict[str, np.ndarray]) -> Frame:
 def _on_head(view: View, points: np.ndarray) -> np.ndarray:
     """Canvas points of a drawing in which a head stands in a front view, where it stands in the canonical one."""
     return (points - view.centre) / (view.scale * CANVAS_MM) + 0.5
-
-
-def save_network(
-    path: str | os.PathLike[str],
-    network: PixelShapeCNN,
-    standard: dict[str, np.ndarray],
-    shape_model: ShapeModel,
-    model: FaceModel,
-    provenance: dict[str, str],
-) -> None:
-    """Write a trained network, its weights as bfloat16, with where it came from in the header."""
-    tensors = {
-        name: tensor.to(torch.bfloat16) if tensor.is_floating_point() else tensor
-        for name, tensor in network.state_dict().items()
-    }
-    tensors |= {name: torch.from_numpy(standard[name]) for name in _STANDARD}
-    for name in _SHAPE_FIELDS:
-        kind = torch.float16 if name == "core" else torch.float32
-        tensors[_SHAPE + name] = torch.from_numpy(getattr(shape_model, name)).to(kind)
-    header = {"format": FORMAT, "layout": network.layout.to_json(), "face_model": model.fingerprint, **provenance}
-    with writing(Path(path)):
-        save_file({name: tensor.contiguous() for name, tensor in tensors.items()}, path, header)

@@ -81,6 +81,9 @@ def network(
     in_three_steps: Annotated[
         bool, typer.Option("--in-three-steps", help="As in the paper: classes, then weights, then faces.")
     ] = False,
+    start: Annotated[
+        Path | None, typer.Option(help="A network of the same variant to begin with; random weights by default.")
+    ] = None,
     work: Work = Path("runs"),
     tiny: Annotated[bool, typer.Option("--tiny", help="A few small steps, in a minute, to see it run.")] = False,
 ) -> None:
@@ -105,6 +108,7 @@ def network(
         people,
         workers=int(not tiny),
         in_three_steps=in_three_steps,
+        start=start,
     )
     if out.exists():  # the first of several processes writes it
         typer.echo(f"{out}: {out.stat().st_size / 1e6:.1f} MB")

@@ -33,7 +33,9 @@ class Variety:
     wrinkles : float
         Share of drawings with wrinkle lines.
     mixed : float
-        Share of faces between two people or two expressions.
+        Share of faces between two expressions.
+    blended : float
+        Share of faces of nobody in the table, blended from two people's.
     partial : float
         Share of the freehand drawings that have only some of their parts.
     missing : float
@@ -51,6 +53,7 @@ class Variety:
     )
     wrinkles: float = 0.75
     mixed: float = 0.4
+    blended: float = 0.6
     partial: float = 0.4
     missing: float = 0.06
     view: float = 2.5
@@ -70,6 +73,12 @@ class _Face:
     def mixed(self, other: _Face, share: float) -> _Face:
         mine, others = vars(self).values(), vars(other).values()
         return _Face(*(one + share * (two - one) for one, two in zip(mine, others, strict=True)))
+
+    def blended(self, other: _Face, middle: _Face, angle: float) -> _Face:
+        """Both faces' differences from the mean one, as the sides of a circle: so blended, faces vary as people do."""
+        faces = zip(vars(self).values(), vars(other).values(), vars(middle).values(), strict=True)
+        mine, others = math.cos(angle), math.sin(angle)
+        return _Face(*(mean + mine * (one - mean) + others * (two - mean) for one, two, mean in faces))
 
 
 class Batch(NamedTuple):
@@ -145,6 +154,7 @@ class Examples(IterableDataset):
         self._quiet = [expressions.index(name) for name in _QUIET_MOUTHS if name in expressions]
         self._frequency = np.array([_RARE.get(name, 1.0) for name in expressions])
         self._poses = poses.astype(np.float32)
+        self._middles = {number: self._middle(rows) for number, rows in enumerate(self._by_expression) if len(rows)}
         self._shape_model, self._reshaping, self._people = shape_model, reshaping, people
         self._manners, self._shares = list(variety.manners), list(variety.manners.values())
 
@@ -192,20 +202,19 @@ class Examples(IterableDataset):
         return {part for part in PARTS if random.random() >= self.variety.missing}
 
     def _face(self, random: np.random.Generator, quiet: bool, freehand: bool) -> tuple[int, _Face]:
-        """Number of a face and that face, or a mixture of it and others of which it is the most."""
+        """Number of a face and that face, or one blended or mixed of it and others, of which it is the most."""
         row = self._pick_quiet(random) if quiet else self._pick(random)
-        face = self._stored(row)
         expression = row % len(self._poses)
+        partner, angle = row, 0.0
+        if random.random() < self.variety.blended:  # somebody between two people
+            rivals = self._by_expression[expression]
+            partner, angle = int(rivals[random.integers(len(rivals))]), random.uniform(0.0, math.pi / 4)
+        face = self._somebody(row, partner, angle)
         if not quiet and random.random() < self.variety.mixed:  # a weaker expression, or one between two
             other = self._neutral if random.random() < 0.6 else self._pick(random) % len(self._poses)
-            other += row - expression
-            most = 0.7 if freehand else 0.5
-            if self._is_kept[other]:
-                face = face.mixed(self._stored(other), random.uniform(0.0, most))
-        if random.random() < self.variety.mixed:  # somebody between two people
-            rivals = self._by_expression[expression]
-            other = int(rivals[random.integers(len(rivals))]) if len(rivals) else row
-            face = face.mixed(self._stored(other), random.uniform(0.0, 0.5))
+            step, most = other - expression, 0.7 if freehand else 0.5
+            if self._is_kept[[row + step, partner + step]].all():
+                face = face.mixed(self._somebody(row + step, partner + step, angle), random.uniform(0.0, most))
         if freehand and self._reshaping is not None and random.random() < 0.5:
             ratio = math.exp(random.normal(0.07, 0.16) / 2)  # of width and height, the area kept
             jaw, crown = random.normal(0.0, 0.2), random.normal(0.0, 0.07)
@@ -226,6 +235,13 @@ class Examples(IterableDataset):
                         drawn[name] = at_rest[name] + factor * (drawn[name] - at_rest[name])
         return np.concatenate(list(drawn.values()))
 
+    def _somebody(self, row: int, partner: int, angle: float) -> _Face:
+        """A face of the table, blended with its partner's."""
+        face = self._stored(row)
+        if row == partner:
+            return face
+        return face.blended(self._stored(partner), self._middles[row % len(self._poses)], angle)
+
     def _stored(self, row: int) -> _Face:
         person, expression = divmod(row, len(self._poses))
         points = self.table.points[person]
@@ -235,6 +251,15 @@ class Examples(IterableDataset):
             self.table.codes[person, expression],
             self._poses[expression],
         )
+
+    def _middle(self, rows: np.ndarray) -> _Face:
+        """The mean of some faces (m,) of one expression."""
+        people, expressions = np.divmod(rows, len(self._poses))
+        points, rest = (
+            self.table.points[people, which].mean(axis=0, dtype=np.float32) for which in (expressions, self._neutral)
+        )
+        code, pose = self.table.codes[people, expressions].mean(axis=0), self._poses[expressions].mean(axis=0)
+        return _Face(points, rest, code, pose)
 
     def _pick_quiet(self, random: np.random.Generator) -> int:
         """A face whose mouth is at rest; sometimes its eyes are closed."""

@@ -6,6 +6,7 @@ has its fingerprint in the name.
 
 from __future__ import annotations
 
+import hashlib
 from dataclasses import asdict, dataclass, replace
 from functools import cached_property
 from pathlib import Path
@@ -17,7 +18,7 @@ import torch
 from ..database.database import FaceDatabase
 from ..database.provenance import provenance
 from ..inference.network import COMPACT, Layout, PixelShapeCNN
-from ..inference.regressor import save_network
+from ..inference.network_file import read_network, save_network
 from ..inference.shape_code import ShapeModel
 from .drawings import DrawnExamples
 from .examples import Examples, Variety
@@ -33,7 +34,7 @@ from .team import Team
 SEED = 7
 _FIRST_STEPS = (5, 8)  # of 18: 500,000 and 800,000 of the paper's 1,800,000 iterations
 # Drawings that a training is followed by: the paper's augmentation, of faces as they are.
-_TEST = Variety(manners={Manner.AUGMENTED: 1.0}, mixed=0.0)
+_TEST = Variety(manners={Manner.AUGMENTED: 1.0}, mixed=0.0, blended=0.0)
 
 
 @dataclass(frozen=True)
@@ -124,23 +125,27 @@ class Pipeline:
         people: DrawnExamples | None = None,
         workers: int = 1,
         in_three_steps: bool = False,
+        start: Path | None = None,
     ) -> None:
         """Train a network, or go on with it, and write it to `out`; one of a team of processes does its part.
+
+        With `start` it begins with the weights of another network, of the same layout, rather than with random ones.
 
         In three steps it is trained as in the paper's 4.4: of the schedule's steps, so many parts of 18 go to the
         classes and to the weights as of the paper's 1.8 million iterations. Otherwise all go to the vertex loss.
         """
         team, model, variety = Team.join(), self.database.model, variety or Variety()
+        torch.manual_seed(SEED)
+        network = PixelShapeCNN(model.identity_size, model.expression_size, layout)
+        origin = {} if start is None else _begin_with(start, network)
         folder = self.work / f"{out.stem}-{model.fingerprint[:8]}"
         with team.leader_first():
             examples = self.examples(variety, schedule.batch, people)
             unseen = self.examples(_TEST, 8 * schedule.batch, of=self.database.split("identity", SEED)[1])
-        torch.manual_seed(SEED)
-        network = PixelShapeCNN(model.identity_size, model.expression_size, layout)
-        about = f"{self.database.sum} {variety} {0 if people is None else len(people)} drawings "
+        about = f"{self.database.sum} {variety} {0 if people is None else len(people)} drawings {origin} "
         if in_three_steps:
             classes, weights = (schedule.steps * part // 18 for part in _FIRST_STEPS)
-            known = self.examples(replace(variety, mixed=0.0), schedule.batch, reshaped=False)
+            known = self.examples(replace(variety, mixed=0.0, blended=0.0), schedule.batch, reshaped=False)
             task: Task = Classes(network, self._poses, len(self.table.codes))
             network = train(task, known, replace(schedule, steps=classes), folder / "classes", workers, about)
             task = Weights(network, standardised_identities(self.table, model))
@@ -150,5 +155,20 @@ class Pipeline:
         task = Faces(network, model, vertex_metric(model))
         network = train(task, examples, schedule, folder, workers, about, unseen)
         if team.leads:
-            made = provenance(command, ("torch", "numpy", "opencv-python-headless")) | self.database.origin
+            made = provenance(command, ("torch", "numpy", "opencv-python-headless")) | self.database.origin | origin
             save_network(out, network, standardisation(model), self.shape_model, model, made)
+
+
+def _begin_with(start: Path, network: PixelShapeCNN) -> dict[str, str]:
+    """Give a network the weights of another one in a file; what is to be said of it in the header.
+
+    Raises
+    ------
+    ValueError
+        As `read_network` does, or if the layout is another one.
+    """
+    stored = read_network(start).network
+    if (stored.layout, stored.sizes) != (network.layout, network.sizes):
+        raise ValueError(f"{start} has another layout than the network to train: name the same --variant")
+    network.load_state_dict(stored.state_dict())
+    return {"started from": hashlib.sha256(start.read_bytes()).hexdigest()}

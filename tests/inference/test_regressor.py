@@ -15,8 +15,9 @@ from scipy.spatial import KDTree
 
 from sketchwidget import FaceModel, FaceRegressor, Sketch
 from sketchwidget.inference.network import TINY, PixelShapeCNN
+from sketchwidget.inference.network_file import save_network
 from sketchwidget.inference.normalise import normalise
-from sketchwidget.inference.regressor import save_network, soft_limit
+from sketchwidget.inference.regressor import soft_limit
 from sketchwidget.inference.shape_code import COUNTS, ShapeModel
 from sketchwidget.training.standard import standardisation
 

@@ -1,5 +1,6 @@
 """Training a network: its loss, its schedule, its team, and the commands."""
 
+import hashlib
 import subprocess
 import sys
 from dataclasses import replace
@@ -15,6 +16,7 @@ from sketchwidget import FaceModel, FaceRegressor, Sketch, cli
 from sketchwidget.database.drawings import Drawing, write_drawings
 from sketchwidget.face.bilinear import fit_identity
 from sketchwidget.inference.network import TINY, PixelShapeCNN
+from sketchwidget.inference.network_file import read_network
 from sketchwidget.training.curve import Curve, read_curve
 from sketchwidget.training.examples import Variety
 from sketchwidget.training.face_table import vertex_metric
@@ -28,7 +30,7 @@ from sketchwidget.training.team import Team
 
 ANGLE = np.arange(0, 7, 0.1)
 OVAL = np.stack([0.5 + 0.3 * np.cos(ANGLE), 0.5 + 0.4 * np.sin(ANGLE)], axis=1)
-EXACT = Variety(manners={Manner.EXACT: 1.0}, mixed=0.0)
+EXACT = Variety(manners={Manner.EXACT: 1.0}, mixed=0.0, blended=0.0)
 
 
 @pytest.fixture(scope="module")
@@ -405,6 +407,22 @@ def test_a_network_is_made_of_a_database_that_its_model_knows_all_of(small_folde
     out = tmp_path / "small.safetensors"
     run("train", "network", small_folder, "--tiny", "--out", out, "--work", tmp_path / "work")
     assert out.exists()
+
+
+def test_a_training_begins_with_the_weights_of_another_network(
+    folder_beyond_its_model, pipeline, tiny_network, tmp_path
+):
+    out = tmp_path / "further.safetensors"
+    arguments = ("--tiny", "--out", out, "--work", pipeline.work, "--start", tiny_network)
+    run("train", "network", folder_beyond_its_model, *arguments)
+    with safe_open(out, "pt") as file:
+        assert file.metadata()["started from"] == hashlib.sha256(tiny_network.read_bytes()).hexdigest()
+    # Six small steps with a rate that has hardly risen leave it near where it began.
+    started, further = (dict(read_network(path).network.named_parameters()) for path in (tiny_network, out))
+    for name, weight in started.items():
+        torch.testing.assert_close(further[name], weight, atol=0.02, rtol=0.1, msg=name)
+    other = invoke("train", "network", folder_beyond_its_model, *arguments, "--variant", "PixelCNN")
+    assert other.exit_code == 1 and "another layout" in " ".join(other.stderr.split())
 
 
 def test_the_command_makes_a_face_model_of_another_rank(folder_beyond_its_model, database, tmp_path):
