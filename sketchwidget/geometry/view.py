@@ -32,7 +32,7 @@ class View:
     def __post_init__(self) -> None:
         rotation = np.asarray(self.rotation, dtype=np.float32)
         centre = np.asarray(self.centre, dtype=np.float32)
-        if rotation.shape != (3, 3) or not np.allclose(rotation @ rotation.T, np.eye(3), atol=1e-4):
+        if rotation.shape != (3, 3) or not np.abs(rotation @ rotation.T - np.eye(3)).max() < 1e-4:
             raise ValueError(f"a view's rotation is an orthonormal (3, 3) matrix; given {rotation.tolist()}")
         if centre.shape != (2,) or not np.isfinite(centre).all():
             raise ValueError(f"a view's centre is a finite point (2,); given {self.centre!r}")

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 
 import numpy as np
-from scipy.spatial import KDTree
+from scipy.spatial.distance import cdist
 
 from ..sketch import SILHOUETTE, UNNAMED, WRINKLE, arc_length, resample, resample_each
 from .outline import Outline
@@ -60,7 +62,7 @@ def name_strokes(
     distance = np.stack([_distance(points, length, line, _NEAR * size) for line in lines.values()])
     nearest = distance.argmin(axis=0)
     inner = {
-        index: stroke
+        index: _Extent.of(stroke)
         for index, stroke in enumerate(strokes)
         if places[index] == "inside" and index not in outline.strokes
     }
@@ -87,12 +89,31 @@ def _distance(points: np.ndarray, length: np.ndarray, line: np.ndarray, reach: f
     middle = points.mean(axis=1)
     off = np.linalg.norm(middle - np.clip(middle, line.min(axis=0), line.max(axis=0)), axis=1)
     rivals = np.flatnonzero((off < reach) & (ratio >= _LENGTHS[0]) & (ratio <= _LENGTHS[1]))
-    distance[rivals] = KDTree(resample(line, 2 * _SAMPLES)).query(points[rivals])[0].mean(axis=1)
+    apart = cdist(points[rivals].reshape(-1, 2), resample(line, 2 * _SAMPLES))
+    distance[rivals] = apart.min(axis=1).reshape(-1, _SAMPLES).mean(axis=1)
     distance[distance >= reach] = np.inf
     return distance
 
 
-def _eyes_and_brows(strokes: Mapping[int, np.ndarray], lines: Mapping[str, np.ndarray], side: str) -> dict[int, str]:
+@dataclass(frozen=True)
+class _Extent:
+    """Where a stroke is, and how large."""
+
+    x: float
+    y: float
+    width: float
+    height: float
+    closed: bool
+
+    @classmethod
+    def of(cls, stroke: np.ndarray) -> _Extent:
+        x, y = stroke.mean(axis=0).tolist()
+        width, height = np.ptp(stroke, axis=0).tolist()
+        gap = math.dist(stroke[0], stroke[-1])
+        return cls(x, y, width, height, gap < 0.3 * math.hypot(width, height) or len(stroke) == 1)
+
+
+def _eyes_and_brows(strokes: Mapping[int, _Extent], lines: Mapping[str, np.ndarray], side: str) -> dict[int, str]:
     """Names of the strokes about one eye by their order: a closed one is the eye, and the brow is above the eye."""
     upper, brow = lines[f"{side}_eye_upper"], lines[f"{side}_brow"]
     middle, width = upper.mean(axis=0), float(np.ptp(upper[:, 0]))
@@ -100,25 +121,25 @@ def _eyes_and_brows(strokes: Mapping[int, np.ndarray], lines: Mapping[str, np.nd
     about = {
         index: stroke
         for index, stroke in strokes.items()
-        if abs(stroke[:, 0].mean() - middle[0]) < 0.7 * width
-        and top < stroke[:, 1].mean() < middle[1] + 0.9 * width
-        and np.ptp(stroke[:, 0]) < 2.2 * width
+        if abs(stroke.x - middle[0]) < 0.7 * width
+        and top < stroke.y < middle[1] + 0.9 * width
+        and stroke.width < 2.2 * width
     }
-    round_ones = {index for index, stroke in about.items() if _is_closed(stroke)}
+    round_ones = {index for index, stroke in about.items() if stroke.closed}
     if not round_ones and len(about) < 2:
         return {}
-    eyes = [about[index] for index in round_ones] or [max(about.values(), key=lambda stroke: stroke[:, 1].mean())]
-    level = float(np.mean([stroke[:, 1].mean() for stroke in eyes]))
+    eyes = [about[index].y for index in round_ones] or [max(stroke.y for stroke in about.values())]
+    level = sum(eyes) / len(eyes)
     names = {}
     for index, stroke in about.items():
-        if index not in round_ones and stroke[:, 1].mean() < level - 0.3 * width:
+        if index not in round_ones and stroke.y < level - 0.3 * width:
             names[index] = f"{side}_brow"
         else:
-            names[index] = f"{side}_eye_{'lower' if stroke[:, 1].mean() > level + 0.02 * width else 'upper'}"
+            names[index] = f"{side}_eye_{'lower' if stroke.y > level + 0.02 * width else 'upper'}"
     return names
 
 
-def _nose(strokes: Mapping[int, np.ndarray], lines: Mapping[str, np.ndarray]) -> dict[int, str]:
+def _nose(strokes: Mapping[int, _Extent], lines: Mapping[str, np.ndarray]) -> dict[int, str]:
     """Strokes that stand where a nose does: between the eyes and the mouth, in the middle."""
     nose = lines["nose"]
     width, middle = float(np.ptp(nose[:, 0])), float(nose[:, 0].mean())
@@ -127,14 +148,7 @@ def _nose(strokes: Mapping[int, np.ndarray], lines: Mapping[str, np.ndarray]) ->
     return {
         index: "nose"
         for index, stroke in strokes.items()
-        if abs(stroke[:, 0].mean() - middle) < 0.6 * width
-        and eyes < stroke[:, 1].mean() < 0.3 * nose[:, 1].max() + 0.7 * mouth
-        and 0.3 * width < np.linalg.norm(np.ptp(stroke, axis=0)) < 3 * width
+        if abs(stroke.x - middle) < 0.6 * width
+        and eyes < stroke.y < 0.3 * nose[:, 1].max() + 0.7 * mouth
+        and 0.3 * width < math.hypot(stroke.width, stroke.height) < 3 * width
     }
-
-
-def _is_closed(stroke: np.ndarray) -> bool:
-    """Whether a stroke is a loop or a dot."""
-    return bool(
-        np.linalg.norm(stroke[0] - stroke[-1]) < 0.3 * np.linalg.norm(np.ptp(stroke, axis=0)) or len(stroke) == 1
-    )

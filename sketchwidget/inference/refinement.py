@@ -51,19 +51,21 @@ class LineRefiner:
         steady: bool = True,
     ) -> None:
         self._steps, self._steady = steps, steady
-        self._core = model.bilinear.core
         self._identity_std, self._expression_std = standard["identity_std"], standard["expression_std"]
         basis = model.bilinear.basis.reshape(-1, 3, model.bilinear.basis.shape[1])
         pick = sparse.vstack([sparse.csr_matrix(_sampling(model, name)) @ _handle(model, name) for name in LINES])
         # On the canvas y goes down.
-        self._basis = np.stack([pick @ basis[:, 0], -(pick @ basis[:, 1])], axis=1) / CANVAS_MM
+        on_canvas = np.stack([pick @ basis[:, 0], -(pick @ basis[:, 1])], axis=1) / CANVAS_MM
+        # Of the model only the lines: (n, 2, p, q), and transposed for the derivative by the expression.
+        self._core = np.tensordot(on_canvas, model.bilinear.core, axes=1).astype(np.float32)
+        self._transposed = np.ascontiguousarray(self._core.swapaxes(-1, -2))
         self._mean = (pick @ model.bilinear.mean.reshape(-1, 3))[:, :2] * [1, -1] / CANVAS_MM + 0.5
-        sizes = (*self._core.shape[1:], 3)
+        sizes = (*self._core.shape[2:], 3)
         self._prior = np.repeat((*errors, _PLACE_ERROR), sizes) ** -2.0
 
     def lines(self, identity: np.ndarray, expression: np.ndarray) -> np.ndarray:
         """Points (n, 2) of a head's lines in the canonical front view."""
-        return self._mean + self._basis @ (self._core @ expression @ identity)
+        return self._mean + self._core @ expression @ identity
 
     def __call__(self, identity: np.ndarray, expression: np.ndarray, match: Match) -> tuple[np.ndarray, np.ndarray]:
         """Identity (p,) and expression (q,) weights whose lines are nearer to the drawn ones.
@@ -76,14 +78,15 @@ class LineRefiner:
             Gives the drawn points and their weights for the points of the lines, as `DrawnLines.match` does, in the
             normalised drawing.
         """
-        p, q = self._core.shape[1:]
+        p, q = self._core.shape[2:]
         change = np.zeros(p + q + 3)
         start = self.lines(identity, expression)
         frame = _outline_frame(start)
         for step in range(self._steps):
             u, v = self._moved(identity, expression, change)
             scale, offset = frame[0] * np.exp(change[-3]), frame[1] + change[-2:]
-            free = self.lines(u, v)
+            by_identity, by_expression = self._core @ v, self._transposed @ u
+            free = self._mean + by_identity @ u
             points = scale * (free - 0.5) + 0.5 + offset
             target, weight = match(points, step > 0)
             if not weight.any():
@@ -91,11 +94,10 @@ class LineRefiner:
             # What is not drawn keeps its shape.
             unseen = _unseen(weight) if self._steady else np.zeros(len(points), dtype=bool)
             target, weight = np.where(unseen[:, None], points + scale * (start - free), target), weight + unseen
-            by_line = scale * self._basis.reshape(-1, self._basis.shape[2])
             jacobian = np.concatenate(
                 [
-                    by_line @ (self._core @ v) * self._identity_std,
-                    by_line @ np.einsum("kpq,p->kq", self._core, u) * self._expression_std,
+                    scale * by_identity.reshape(-1, p) * self._identity_std,
+                    scale * by_expression.reshape(-1, q) * self._expression_std,
                     (~unseen[:, None] * scale * (free - 0.5)).reshape(-1, 1),
                     np.kron(~unseen[:, None], np.eye(2)),
                 ],
@@ -109,7 +111,7 @@ class LineRefiner:
         return self._moved(identity, expression, change)
 
     def _moved(self, identity: np.ndarray, expression: np.ndarray, change: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        p, q = self._core.shape[1:]
+        p, q = self._core.shape[2:]
         u, v = identity + self._identity_std * change[:p], expression + self._expression_std * change[p : p + q]
         return u.astype(np.float32), v.astype(np.float32)
 
