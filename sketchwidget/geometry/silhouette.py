@@ -111,11 +111,14 @@ class Drag:
         In the plane of the stroke.
     distance : float
         From silhouette to stroke, on average.
+    angle : float
+        Between the directions of both, on average, radians.
     """
 
     vertices: np.ndarray
     displacement: np.ndarray
     distance: float
+    angle: float
 
 
 def nearest_silhouette(stroke: np.ndarray, chains: Sequence[np.ndarray], points: np.ndarray) -> Drag | None:
@@ -154,9 +157,17 @@ def _drag(stroke: np.ndarray, chain: np.ndarray, points: np.ndarray) -> Drag | N
     for places in (way % count for way in ways):
         length, wanted = _length(path[places]), _length(stroke)
         if len(places) >= _SHORTEST and _LENGTHS[0] * wanted <= length <= _LENGTHS[1] * wanted:
-            displacement = _at_shares(stroke, _shares(path[places])) - path[places]
-            drags.append(Drag(chain[places], displacement, float(np.linalg.norm(displacement, axis=1).mean())))
+            target = _at_shares(stroke, _shares(path[places]))
+            displacement = target - path[places]
+            distance = float(np.linalg.norm(displacement, axis=1).mean())
+            drags.append(Drag(chain[places], displacement, distance, _angle(path[places], target)))
     return min(drags, key=lambda drag: drag.distance, default=None)
+
+
+def _angle(path: np.ndarray, other: np.ndarray) -> float:
+    """Mean angle between two paths (n, 2), radians, by the length of the first."""
+    here, there = ((step := np.diff(each, axis=0))[:, 0] + 1j * step[:, 1] for each in (path, other))
+    return float(np.average(np.abs(np.angle(here * there.conj())), weights=np.abs(here) + 1e-12))
 
 
 def _smoothed(path: np.ndarray, closed: bool) -> np.ndarray:

@@ -13,11 +13,12 @@ from safetensors.torch import save_file
 
 from ..files.tensorfile import read, writing
 from ..sketch.stroke import as_points
-from .names import GESTURES
+from .names import GESTURES, LINE
 from .network import GestureCNN
 from .picture import picture
 
 FORMAT = "sketchwidget gestures 1"
+_REACHED = 0.7  # of the way from a line's start to what of it is farthest: hooks at its end are shorter
 
 
 class GestureClassifier:
@@ -48,7 +49,7 @@ class GestureClassifier:
         Returns
         -------
         name : str or None
-            One of `GESTURES`; None if it looks like none of them, or is a dot.
+            One of `GESTURES`; None if it looks like none of them, is a dot, or is a line there and back.
         probability : float
             Of the most probable gesture.
 
@@ -63,7 +64,8 @@ class GestureClassifier:
         probabilities = self.probabilities(picture(stroke)[None])[0]
         best = int(probabilities.argmax())
         probability = float(probabilities[best])
-        return (GESTURES[best] if probability >= self.threshold else None), probability
+        name = GESTURES[best] if probability >= self.threshold else None
+        return (None if name == LINE and _comes_back(stroke) else name), probability
 
     def probabilities(self, images: np.ndarray) -> np.ndarray:
         """Probability (b, 10) of each gesture, for images (b, 256, 256) bool of strokes, as `picture` makes them."""
@@ -103,3 +105,9 @@ class GestureClassifier:
             return cls(network, float(header["threshold"]))
         except (KeyError, RuntimeError, ValueError) as error:
             raise ValueError(f"{path} is a damaged gesture classifier: {error}") from error
+
+
+def _comes_back(stroke: np.ndarray) -> bool:
+    """Whether a stroke ends well short of what of it is farthest from its start: it may look like a line."""
+    away = np.linalg.norm(stroke - stroke[0], axis=1)
+    return bool(away[-1] < _REACHED * away.max())

@@ -13,8 +13,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from sketchwidget.geometry.enclosure import enclosed
-from sketchwidget.geometry.silhouette import nearest_silhouette, silhouettes
-from sketchwidget.gesture.names import DOWN_ROLLS, GESTURES, LEFT_ARROW, LINE, REGION, RIGHT_ARROW, UP_ROLLS
+from sketchwidget.geometry.silhouette import Drag, nearest_silhouette, silhouettes
+from sketchwidget.gesture.names import DOWN_ROLLS, LEFT_ARROW, LEVELS, LINE, REGION, RIGHT_ARROW, UP_ROLLS
 
 from .refinement import Edit, Refinement
 
@@ -26,27 +26,24 @@ if TYPE_CHECKING:
 Behaviour = Callable[[Edit], Refinement]
 Recogniser = Callable[[np.ndarray], bool]
 
-DEPTHS = (4.0, 8.0, 12.0)  # mm of bulging or depression, by level
+DEPTHS = [4.0, 8.0, 12.0]  # mm of bulging or depression, by level; looked up by each roll, so they may be changed
 NEAR = 0.12  # canvas units from a silhouette within which a line means it: 30 mm
 _EDGE_ON = 0.2  # cosine of the angle between the handles' normal and the view, below which depth is no direction
 
 
 def gestured(state: State, event: Gesture, modeller: Modeller) -> State:
-    """The state after a gesture that refines the head.
+    """The state after a gesture that refines the head, once it is named.
 
     Raises
     ------
     ValueError
-        If the stroke is no gesture, or there is nothing that it could do; the message says why.
+        If there is nothing that it could do; the message says why.
     """
-    name = modeller.gesture(event)
-    if name is None:
-        raise ValueError(f"not a gesture: this stroke is none of {', '.join(GESTURES)}")
-    shown = modeller.head(state)
-    edit = Edit(event.points, event.view_in(shown.frame), shown.layers, state.refinement, modeller)
-    refinement = behaviour(name)(edit)
+    if event.name is None:
+        raise ValueError("a gesture is done by its name, and this one has none yet")
+    refinement = behaviour(event.name)(Edit.of(event, state, modeller))
     if not isinstance(refinement, Refinement):
-        raise ValueError(f"what {name!r} does must give a Refinement; it gave {refinement!r}")
+        raise ValueError(f"what {event.name!r} does must give a Refinement; it gave {refinement!r}")
     return state if refinement is state.refinement else replace(state, refinement=refinement)
 
 
@@ -69,8 +66,8 @@ def region(edit: Edit) -> Refinement:
     return replace(edit.refinement, region=chosen)
 
 
-def bulge(depth: float) -> Behaviour:
-    """The behaviour that moves the handles towards the viewer by so many millimetres, or away from them."""
+def bulge(level: int, sign: int = 1) -> Behaviour:
+    """The behaviour that moves the handles towards the viewer by `DEPTHS` of a level; away from them with sign -1."""
 
     def act(edit: Edit) -> Refinement:
         if not len(edit.refinement.handles):
@@ -79,12 +76,15 @@ def bulge(depth: float) -> Behaviour:
         normal = edit.normals[handles].sum(axis=0)
         if normal @ edit.towards_viewer < _EDGE_ON * max(float(np.linalg.norm(normal)), 1e-9):
             raise ValueError("the handles are seen edge on in this view: turn the head, so that they face you")
-        return edit.deformed(handles, np.tile(depth * edit.towards_viewer, (len(handles), 1)))
+        return edit.deformed(handles, np.tile(sign * DEPTHS[level - 1] * edit.towards_viewer, (len(handles), 1)))
 
     return act
 
 
 def _seen_handles(edit: Edit) -> np.ndarray:
+    """The handles that a stroke on the head moves: all, if some are seen; a nose moves with its far side."""
+    if not edit.on_head:
+        raise ValueError("this stroke is off the head: draw it over the face")
     handles = edit.handles
     if not len(handles):
         raise ValueError("all handles are outside the region: brush inside it, or draw another region")
@@ -93,12 +93,17 @@ def _seen_handles(edit: Edit) -> np.ndarray:
     return handles
 
 
+def silhouette_beside(edit: Edit) -> Drag | None:
+    """The part of a silhouette that is nearest to a stroke, and may move; None if none is near."""
+    chains = silhouettes(edit.face.vertices, edit.modeller.soft_faces, edit.view.rotation, edit.movable)
+    drag = nearest_silhouette(edit.points, chains, edit.canvas)
+    return drag if drag is not None and drag.distance <= NEAR else None
+
+
 def _silhouette_to(edit: Edit) -> Refinement:
     """Silhouette editing (Nealen et al. 2005)."""
-    faces = edit.modeller.soft_faces
-    chains = silhouettes(edit.face.vertices, faces, edit.view.rotation, edit.movable)
-    drag = nearest_silhouette(edit.points, chains, edit.canvas)
-    if drag is None or drag.distance > NEAR:
+    drag = silhouette_beside(edit)
+    if drag is None:
         raise ValueError(
             "no handles are marked, and no silhouette is near this line: brush handles, or draw beside an outline"
         )
@@ -109,8 +114,8 @@ def _silhouette_to(edit: Edit) -> Refinement:
 _BEHAVIOURS: dict[str, Behaviour] = {
     LINE: line,
     REGION: region,
-    **{name: bulge(depth) for name, depth in zip(UP_ROLLS, DEPTHS, strict=True)},
-    **{name: bulge(-depth) for name, depth in zip(DOWN_ROLLS, DEPTHS, strict=True)},
+    **{name: bulge(level) for name, level in zip(UP_ROLLS, LEVELS, strict=True)},
+    **{name: bulge(level, -1) for name, level in zip(DOWN_ROLLS, LEVELS, strict=True)},
 }
 _RECOGNISERS: dict[str, Recogniser] = {}
 

@@ -17,6 +17,7 @@ VIEWS = ("front", "left", "right")
 FEWEST_POINTS = 3  # of a gesture: a stroke of two is a slip of the pen
 MODES = ("initial", "followup", "refine")
 
+SCALES = (1e-4, 0.2)  # canvas units per mm: of a head 5 mm high to one 10 m high where the pad is a span of the hand
 _DECIMALS = 5  # of a coordinate: 2.5 micrometres of the head
 _VIEW_DECIMALS = 6  # float32 has no more
 
@@ -153,23 +154,28 @@ class Gesture(Event):
         drawing; None is the front.
     tool : str, optional
         What the stroke does if it is to be no gesture: the name of a tool that a user registered.
+    name : str, optional
+        What gesture the stroke is, once it was recognised; the tool's name for a tool.
 
     Raises
     ------
     ValueError
-        If the points are too few or no stroke, or the view is none.
+        If fewer than three points differ from the one before them, the points are no stroke, or the view is none.
     """
 
     points: np.ndarray
     view: View | str | None = None
     tool: str | None = None
+    name: str | None = None
 
     def __post_init__(self) -> None:
         points = _rounded(self.points)
-        if len(points) < FEWEST_POINTS:
-            raise ValueError(f"a gesture has at least {FEWEST_POINTS} points; given {len(points)}")
-        if self.tool is not None and not isinstance(self.tool, str):
-            raise ValueError(f"a tool is named by its name; given {self.tool!r}")
+        places = 1 + int((points[1:] != points[:-1]).any(axis=1).sum())
+        if places < FEWEST_POINTS:
+            raise ValueError(f"a gesture has at least {FEWEST_POINTS} points; given {places} different ones")
+        for name in (self.tool, self.name):
+            if name is not None and not isinstance(name, str):
+                raise ValueError(f"a gesture or a tool is given by its name; given {name!r}")
         object.__setattr__(self, "points", points)
         object.__setattr__(self, "view", _as_view(self.view))
 
@@ -219,6 +225,8 @@ class Brush(Event):
 _EVENTS = (Draw, Erase, Clear, Undo, Redo, Mode, StartFromTemplate, Cancel, Gesture, Brush)
 _KINDS = {event.__name__.lower(): event for event in _EVENTS}
 
+_LATER = {"gesture": {"name"}}  # fields that files of former versions lack
+
 
 def event_from_json(given: Any) -> Event:
     """The event of a JSON object.
@@ -235,7 +243,7 @@ def event_from_json(given: Any) -> Event:
     if not isinstance(kind, str) or kind not in _KINDS:
         raise ValueError(f'the "event" is one of {", ".join(_KINDS)}; given {kind!r}')
     expected = {field.name for field in fields(_KINDS[kind])}
-    if values.keys() != expected:
+    if values.keys() != expected - (_LATER.get(kind, set()) - values.keys()):
         raise ValueError(f"the event {kind!r} has the fields {sorted(expected)}; given {sorted(values)}")
     return _KINDS[kind](**values)
 
@@ -278,6 +286,10 @@ def _as_view(given: Any) -> View | str | None:
             raise ValueError(f"a view has a rotation, a scale and a centre of numbers; given {given!r}") from error
     if not isinstance(given, View):
         raise ValueError(f"a view is a View, the name of a preset or None; given {given!r}")
+    if not SCALES[0] <= given.scale <= SCALES[1]:
+        raise ValueError(
+            f"a head is refined at a scale from {SCALES[0]} to {SCALES[1]} canvas units per mm; given {given.scale:g}"
+        )
     return View(_decimal(given.rotation), float(f"{given.scale:.9g}"), _decimal(given.centre))
 
 

@@ -77,7 +77,7 @@ class History:
         """What an event does to the history: some gestures are an undo or a redo."""
         if not isinstance(event, Gesture):
             return event
-        return {LEFT_ARROW: Undo(), RIGHT_ARROW: Redo()}.get(self._modeller.gesture(event) or "", event)
+        return {LEFT_ARROW: Undo(), RIGHT_ARROW: Redo()}.get(event.name or "", event)
 
     def _undo(self) -> bool:
         if not self._done:

@@ -17,7 +17,6 @@ from sketchwidget.geometry.region_deformation import RegionDeformation
 from sketchwidget.geometry.view import View
 from sketchwidget.sketch import SILHOUETTE, Piece, Sketch
 
-from .behaviours import recognised
 from .followup import Followup, HandleTargets
 from .layers import Layers
 from .refinement import UNREFINED
@@ -27,8 +26,6 @@ if TYPE_CHECKING:
     from sketchwidget.face import Face, FaceModel
     from sketchwidget.gesture.classifier import GestureClassifier
     from sketchwidget.inference import FaceRegressor
-
-    from .events import Gesture
 
 _KEPT = 4  # heads: those of the present state, the one before, and of strokes that are still being drawn
 
@@ -83,7 +80,6 @@ class Modeller:
         self._heads: deque[tuple[State, Modelled]] = deque(maxlen=_KEPT)
         self._below: tuple[State, Modelled] | None = None
         self._deformations: deque[tuple[bytes, RegionDeformation]] = deque(maxlen=_KEPT)
-        self._last_gesture: tuple[Gesture, str | None] | None = None
 
     @cached_property
     def gestures(self) -> GestureClassifier:
@@ -91,15 +87,6 @@ class Modeller:
         from sketchwidget.gesture.classifier import GestureClassifier
 
         return GestureClassifier.load()
-
-    def gesture(self, event: Gesture) -> str | None:
-        """The name of a gesture: one that a user registered, one of the ten, or None."""
-        if event.tool is not None:
-            return event.tool
-        if self._last_gesture is None or self._last_gesture[0] is not event:
-            name = recognised(event.points) or self.gestures.classify(event.points)[0]
-            self._last_gesture = (event, name)
-        return self._last_gesture[1]
 
     @cached_property
     def soft(self) -> np.ndarray:

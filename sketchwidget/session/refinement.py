@@ -8,21 +8,24 @@ from typing import TYPE_CHECKING
 
 import igl
 import numpy as np
+from scipy.spatial import KDTree
 
 from sketchwidget.geometry.region_deformation import within_reach
 from sketchwidget.geometry.view import View
-from sketchwidget.geometry.visibility import visible_vertices
+from sketchwidget.geometry.visibility import covering, visible_vertices
+from sketchwidget.sketch import resample
 
 from .layers import Displacement, Layers
 
 if TYPE_CHECKING:
     from sketchwidget.face import Face
 
-    from .events import Brush
+    from .events import Brush, Gesture
     from .modeller import Modeller
     from .state import State
 
 REACH = 40.0  # mm about the handles that go along with them while no region is chosen
+BESIDE = 0.02  # canvas units from the head that count as on it: the width of a pen
 FARTHEST = 100.0  # mm that a vertex can be refined by: half the height of a face
 
 
@@ -71,6 +74,12 @@ class Edit:
     refinement: Refinement
     modeller: Modeller
 
+    @classmethod
+    def of(cls, event: Gesture, state: State, modeller: Modeller) -> Edit:
+        """A gesture on the head of a state."""
+        shown = modeller.head(state)
+        return cls(event.points, event.view_in(shown.frame), shown.layers, state.refinement, modeller)
+
     @property
     def face(self) -> Face:
         """The head on show."""
@@ -106,6 +115,15 @@ class Edit:
     def in_space(self, vectors: np.ndarray) -> np.ndarray:
         """Vectors of the canvas (..., 2) as vectors in the view plane (..., 3), millimetres."""
         return (np.asarray(vectors) * [1.0, -1.0] / self.view.scale) @ self.view.rotation[:2]
+
+    @cached_property
+    def on_head(self) -> bool:
+        """Whether some of the stroke lies over the head, or right beside its outline."""
+        stroke = resample(self.points, 64)
+        if KDTree(self.canvas).query(stroke)[0].min() < BESIDE:
+            return True
+        places = np.pad((stroke - self.view.centre) * [1.0, -1.0] / self.view.scale, ((0, 0), (0, 1)))
+        return len(covering(places, self.face.vertices @ self.view.rotation.T, self.face.faces)[0]) > 0
 
     def seen(self, vertices: np.ndarray) -> np.ndarray:
         """Which of some vertices (k,) are seen in this view, (k,) bool."""

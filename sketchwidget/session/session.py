@@ -23,6 +23,7 @@ from .file import SessionFileError
 from .history import History
 from .layers import Layers
 from .modeller import Modelled, Modeller
+from .naming import named
 from .refinement import Refinement
 from .state import State
 
@@ -213,17 +214,17 @@ class Session(HasTraits):
         ValueError
             If the stroke is no gesture or there is nothing that it could do; nothing has changed then.
         """
-        event = Gesture(points, view, tool)
+        event = self._named(Gesture(points, view, tool))
         self._do(event)
-        return self._modeller.gesture(event) or ""
+        return event.name or ""
 
     def preview_gesture(self, points: Any, view: View | str | None = None) -> Face | None:
         """The head that `gesture` would give, for a stroke that is still being drawn; nothing changes.
 
         Parameters and errors are those of `gesture`. None if it is an arrow.
         """
-        event = Gesture(points, view)
-        if self._modeller.gesture(event) in (LEFT_ARROW, RIGHT_ARROW):
+        event = self._named(Gesture(points, view))
+        if event.name in (LEFT_ARROW, RIGHT_ARROW):
             return None
         return self._modeller.head(apply(self._history.state, event, self._modeller)).face
 
@@ -353,7 +354,12 @@ class Session(HasTraits):
             self._follow(started)
         return changed
 
+    def _named(self, event: Gesture) -> Gesture:
+        return named(event, self._history.state, self._modeller)
+
     def _record(self, event: Event) -> bool:
+        if isinstance(event, Gesture):
+            event = self._named(event)  # those of old files have no name yet
         changed = self._history.record(event)
         if changed:
             self._events.append(event)

@@ -65,13 +65,19 @@ def test_the_nearest_silhouette_is_dragged_onto_the_stroke(order):
     drag = nearest_silhouette((LINE + np.array([0, 0.3]))[::order], TWO, POINTS)
     assert sorted(drag.vertices.tolist()) == list(range(21))
     np.testing.assert_allclose(drag.displacement, np.tile([0, 0.3], (21, 1)), atol=1e-6)
-    assert drag.distance == pytest.approx(0.3)
+    assert drag.distance == pytest.approx(0.3) and drag.angle == pytest.approx(0.0)
     assert set(nearest_silhouette(LINE + np.array([0, 0.6]), TWO, POINTS).vertices.tolist()) == set(range(21, 42))
 
 
 def test_only_the_part_beside_the_stroke_is_dragged():
     drag = nearest_silhouette(LINE[5:16] + np.array([0, 0.1]), TWO, POINTS)
     assert drag.vertices.tolist() == list(range(5, 16))
+
+
+@pytest.mark.parametrize("order", [1, -1])
+def test_the_angle_to_a_stroke_is_that_between_their_directions(order):
+    roof = LINE + np.array([0, 0.1]) + np.stack([np.zeros(21), 0.5 - np.abs(LINE[:, 0] - 0.5)], axis=1)
+    assert nearest_silhouette(roof[::order], TWO[:1], POINTS).angle == pytest.approx(np.pi / 4)
 
 
 def test_a_part_of_a_closed_chain_may_go_over_its_end():

@@ -60,6 +60,8 @@ def test_the_mirror_image_of_an_arrow_is_the_other_and_of_a_roll_is_itself(class
         [[0, 0], [1, 0], [0, 1], [1, 1]],  # a Z
         [[0, 0], [0.5, 1], [1, 0], [1.5, 1], [2, 0], [2.5, 1]],  # a zigzag
         [[0, 1], [0.5, 0], [1, 1]],  # a chevron upwards
+        [[0, 0], [1, 0.2], [0, 0]],  # a line there and back
+        [[0, 0], [1, 0.2], [0.5, 0.1]],
         [[0.3, 0.3]],  # a dot
         [[0.3, 0.3], [0.3, 0.3], [0.3, 0.3]],
     ],

@@ -112,6 +112,14 @@ def test_rolls_bulge_and_depress_the_handles_along_the_view(session, level):
     np.testing.assert_allclose(session.face.vertices, before.vertices, atol=1e-3)
 
 
+def test_the_depths_are_those_that_are_set_when_a_roll_is_drawn(session, monkeypatch):
+    monkeypatch.setattr(behaviours, "DEPTHS", (1.0, 2.0, 30.0))
+    before, handles = session.face, about(session.face, NOSE, 6)
+    session.brush(handles)
+    session.gesture(drawn("down roll 3", place(session, NOSE)))
+    np.testing.assert_allclose((session.face.vertices - before.vertices)[handles, 2], -30.0, atol=1e-3)
+
+
 def test_bulging_follows_the_view(session):
     view = View(rotation_about_y(-40))
     before, handles = session.face, about(session.face, NOSE, 6)
@@ -171,6 +179,37 @@ def test_a_line_without_handles_drags_the_silhouette_onto_it(session):
         assert abs(seen[level, 0].min() - point[0]) < 0.012
     far = np.linalg.norm(before.vertices - before.landmarks[NOSE], axis=1) > 90
     assert moved(session, before)[far & (before.model.template.fine_parts <= 1)].max() == 0
+
+
+def bow(start, end, sag):
+    """A stroke whose middle is off the straight way by `sag` of its length, to its right on the canvas."""
+    t = np.linspace(0, 1, 40)[:, None]
+    along = np.asarray(end) - start
+    return start + t * along + 4 * sag * t * (1 - t) * np.array([-along[1], along[0]])
+
+
+@pytest.mark.parametrize("sag", [0.1, 0.2, 0.3, 0.4])
+@pytest.mark.parametrize("backwards", [False, True])
+def test_a_cheek_is_dragged_onto_a_round_stroke(session, sag, backwards):
+    wanted = bow(place(session, 2) - [0.01, 0], place(session, 6) - [0.01, 0], sag)
+    assert session.gesture(wanted[::-1] if backwards else wanted) == "line"
+    skin = session.face.vertices[session.face.model.template.fine_parts == 0]
+    seen = FRONT.project(skin)
+    for point in wanted[8:-8]:
+        assert np.linalg.norm(seen - point, axis=1).min() < 0.02
+    fullest = wanted[20]
+    level = np.abs(seen[:, 1] - fullest[1]) < 0.01
+    assert abs(seen[level, 0].min() - fullest[0]) < 0.015
+
+
+def test_a_round_stroke_is_a_line_beside_an_outline_and_without_handles_only(session):
+    cheek = bow(place(session, 2) - [0.01, 0], place(session, 6) - [0.01, 0], 0.35)
+    for elsewhere in (cheek + np.array([0.28, -0.1]), 0.5 + (cheek - cheek[0])[:, ::-1]):
+        with pytest.raises(ValueError, match="not a gesture"):
+            session.gesture(elsewhere)
+    session.brush(about(session.face, NOSE, 6))
+    with pytest.raises(ValueError, match="not a gesture"):
+        session.gesture(cheek)
 
 
 def test_the_region_bounds_silhouette_editing_too(session):
@@ -260,6 +299,10 @@ def bad_gestures(session):
     return [
         (lambda: session.gesture(np.random.default_rng(0).random((40, 2))), "not a gesture"),
         (lambda: session.gesture([[0.1, 0.1], [0.2, 0.2]]), "at least 3 points; given 2"),
+        (lambda: session.gesture([[0.1, 0.1], [0.1, 0.1], [0.2, 0.2]]), "at least 3 points; given 2"),
+        (lambda: session.gesture(np.concatenate([stroke(nose, nose + 0.1), stroke(nose + 0.1, nose)])), "not a gest"),
+        (lambda: session.gesture(drawn("line", nose), View(scale=1e-6)), "at a scale from"),
+        (lambda: session.gesture(drawn("line", nose), View(scale=10.0)), "at a scale from"),
         (lambda: session.gesture([[0.1, np.nan], [0.2, 0.2], [0.3, 0.3]]), "finite"),
         (lambda: session.gesture(drawn("region", np.array([0.1, 0.1]), 0.1)), "contains nothing"),
         (lambda: session.gesture(stroke([0.05, 0.1], [0.05, 0.3])), "no silhouette is near"),
@@ -271,7 +314,7 @@ def bad_gestures(session):
     ]
 
 
-@pytest.mark.parametrize("number", range(10))
+@pytest.mark.parametrize("number", range(14))
 def test_bad_input_is_told_and_changes_nothing(session, number):
     before = session.face
     act, said = bad_gestures(session)[number]
@@ -292,6 +335,16 @@ def test_handles_that_cannot_be_moved_are_told(session):
     with pytest.raises(ValueError, match="outside the region"):
         session.gesture(stroke(nose, nose + np.array([0, 0.1])))
     assert session.face is before or np.array_equal(session.face.vertices, before.vertices)
+
+
+@pytest.mark.parametrize("name", ["line", "up roll 1", "down roll 3"])
+def test_handles_are_not_moved_from_off_the_head(session, name):
+    session.brush(about(session.face, NOSE, 6))
+    before = session.face, session.events
+    with pytest.raises(ValueError, match="off the head"):
+        session.gesture(drawn(name, np.array([0.08, 0.12]), 0.1))
+    assert (session.face, session.events) == before
+    assert session.gesture(drawn(name, place(session, NOSE), 0.1)) == name
 
 
 def test_a_head_is_not_pulled_apart(session):
@@ -346,6 +399,27 @@ def test_events_are_read_as_they_are_written():
     assert Gesture(event.points, event.view) == event
     assert event.to_json()["view"]["scale"] == pytest.approx(1 / 240)
     assert Gesture(event.points).to_json()["view"] is None
+
+
+def test_a_gesture_is_kept_with_its_name_and_replayed_by_it(session, restored):
+    session.brush(about(session.face, NOSE, 6))
+    session.gesture(drawn("up roll 2", place(session, NOSE)))
+    assert [event.name for event in session.events[1:]] == ["up roll 2"]
+    text = session.dumps()
+    register_gesture("everything", lambda edit: edit.refinement, lambda points: True)
+    again = Session.loads(text, REGRESSOR)
+    assert again.events == session.events
+    np.testing.assert_array_equal(again.face.vertices, session.face.vertices)
+
+
+def test_a_gesture_of_an_old_file_is_named_when_it_is_read(session):
+    session.brush(about(session.face, NOSE, 6))
+    session.gesture(drawn("up roll 2", place(session, NOSE)))
+    old = session.dumps().replace(',"name":"up roll 2"', "")
+    assert "up roll" not in old
+    again = Session.loads(old, REGRESSOR)
+    assert again.dumps() == session.dumps()
+    np.testing.assert_array_equal(again.face.vertices, session.face.vertices)
 
 
 def test_a_damaged_gesture_is_told_by_its_line():
