@@ -46,6 +46,7 @@ class RegionDeformation:
         free[self.handles] = False
         self._free = np.flatnonzero(free)
         self._count = len(region)
+        self._vertices, self._faces, self._region = vertices, faces, region
         if len(self._free):
             energy = _bilaplacian(vertices, faces, region)
             rows = energy[self._free]
@@ -67,14 +68,39 @@ class RegionDeformation:
         """How far each vertex goes along when all handles move together, (n,): 1 at the handles, 0 outside."""
         return self.displacement(np.ones((len(self.handles), 3)))[:, 0]
 
+    @cached_property
+    def _depth(self) -> np.ndarray:
+        """How far (n,) it is to the border, along the edges."""
+        return _distance(self._vertices, self._faces, np.flatnonzero(~self._region))
+
+    def fading(self, width: float, border: np.ndarray | None = None) -> np.ndarray:
+        """Shares (h,) by which handles move, so that those at the border make no step: smoothly from 0 there to 1.
+
+        Parameters
+        ----------
+        width : float
+            Millimetres from the border at which it is 1; in a region that is less deep, it is 1 at its deepest.
+        border : (b,) int array, optional
+            The vertices that the border is made of; by default, all that lie outside.
+        """
+        depth = self._depth if border is None else _distance(self._vertices, self._faces, border)
+        at = np.minimum(depth[self.handles] / min(width, depth[self._region].max()), 1.0)
+        return at * at * (3.0 - 2.0 * at)
+
 
 def within_reach(vertices: np.ndarray, faces: np.ndarray, sources: np.ndarray, reach: float) -> np.ndarray:
     """Vertices not farther from any of `sources` than `reach`, in millimetres along the edges: (n,) bool."""
+    return np.isfinite(_distance(vertices, faces, sources, reach))
+
+
+def _distance(vertices: np.ndarray, faces: np.ndarray, sources: np.ndarray, limit: float = np.inf) -> np.ndarray:
+    """How far (n,) the nearest of `sources` is along the edges; infinite beyond the limit, and where none is."""
     edges = np.asarray(igl.edges(np.asarray(faces, dtype=np.int64)))
     length = np.linalg.norm(vertices[edges[:, 0]] - vertices[edges[:, 1]], axis=1)
     graph = sparse.csr_matrix((length, edges.T), (len(vertices), len(vertices)))
-    distance = dijkstra(graph, directed=False, indices=np.asarray(sources), min_only=True, limit=reach)
-    return np.isfinite(distance)
+    if not len(sources):
+        return np.full(len(vertices), np.inf)
+    return dijkstra(graph, directed=False, indices=np.asarray(sources), min_only=True, limit=limit)
 
 
 def _bilaplacian(vertices: np.ndarray, faces: np.ndarray, region: np.ndarray) -> sparse.csr_matrix:

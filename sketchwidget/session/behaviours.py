@@ -108,7 +108,9 @@ def _silhouette_to(edit: Edit) -> Refinement:
             "no handles are marked, and no silhouette is near this line: brush handles, or draw beside an outline"
         )
     vertices, first = np.unique(drag.vertices, return_index=True)
-    return edit.deformed(vertices, edit.in_space(drag.displacement[first]))
+    # A silhouette is where a region of what was seen ends by itself; it is to move nevertheless.
+    outside = np.flatnonzero(edit.modeller.soft & ~edit.movable)
+    return edit.deformed(vertices, edit.in_space(drag.displacement[first]), outside[edit.seen(outside)])
 
 
 _BEHAVIOURS: dict[str, Behaviour] = {

@@ -26,6 +26,7 @@ if TYPE_CHECKING:
 
 REACH = 40.0  # mm about the handles that go along with them while no region is chosen
 BESIDE = 0.02  # canvas units from the head that count as on it: the width of a pen
+BORDER = (6.0, 12.0)  # mm from the border within which handles go less far: as far as they were to go, within these
 FARTHEST = 100.0  # mm that a vertex can be refined by: half the height of a face
 
 
@@ -129,10 +130,12 @@ class Edit:
         """Which of some vertices (k,) are seen in this view, (k,) bool."""
         return visible_vertices(self.face.vertices, self.face.faces, self.view.rotation, vertices)
 
-    def deformed(self, vertices: np.ndarray, displacement: np.ndarray) -> Refinement:
+    def deformed(self, vertices: np.ndarray, displacement: np.ndarray, border: np.ndarray | None = None) -> Refinement:
         """The refinement in which some vertices (k,) went by (k, 3) millimetres, and the region after them.
 
-        While no region is chosen, what is up to 40 mm away along the surface goes along.
+        While no region is chosen, what is up to 40 mm away along the surface goes along. Near the border of one, less
+        and less of the way is gone, so that there is no step at the border: that of vertices `border` (b,), by default
+        of all that lie outside.
 
         Raises
         ------
@@ -144,7 +147,10 @@ class Edit:
             movable = self.movable & within_reach(rest, self.face.faces, vertices, REACH)
         else:
             movable = self.movable
-        return self.displaced(self.modeller.deformation(movable, vertices).displacement(displacement))
+        deformation = self.modeller.deformation(movable, vertices)
+        farthest = float(np.linalg.norm(displacement, axis=1).max())
+        shares = deformation.fading(np.clip(farthest, *BORDER), border)
+        return self.displaced(deformation.displacement(shares[:, None] * displacement))
 
     def displaced(self, displacement: np.ndarray) -> Refinement:
         """The refinement in which all vertices went by (V, 3) millimetres, as far as they may move.

@@ -82,6 +82,17 @@ def test_it_turns_and_grows_with_the_mesh(seed):
     np.testing.assert_allclose(there, scale * here @ turn.T, atol=1e-8 * scale)
 
 
+def test_handles_fade_towards_the_border():
+    row = SIZE * (SIZE // 2)
+    handles = row + np.array([4, 5, 6, 7, 10])  # 1, 2, 3, 4 and 7 cells from what lies outside
+    deformation = RegionDeformation(VERTICES, FACES, REGION, handles)
+    at = np.array([1, 2, 3, 4]) / 4
+    np.testing.assert_allclose(deformation.fading(4.0), [*(3 * at**2 - 2 * at**3), 1.0])
+    assert deformation.fading(100.0)[-1] == 1.0  # the deepest that there is
+    everything = np.ones(SIZE**2, dtype=bool)
+    assert RegionDeformation(VERTICES, FACES, everything, handles).fading(4.0).tolist() == [1.0] * 5
+
+
 def test_a_region_of_handles_alone_moves_with_them():
     region = np.zeros(SIZE**2, dtype=bool)
     region[MIDDLE] = True

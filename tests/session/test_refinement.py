@@ -142,6 +142,35 @@ def test_a_line_moves_the_handles_by_its_vector_and_nothing_outside_the_region(s
     assert (change[outside] == 0).all()
 
 
+def test_handles_up_to_the_border_of_the_region_and_over_it_make_no_step(session):
+    before = session.face
+    session.gesture(drawn("region", place(session, 31), 0.2))
+    session.brush(about(before, NOSE, 25))  # over the border of the region
+    session.gesture(drawn("up roll 3", place(session, NOSE)))
+    change = session.face.vertices - before.vertices
+    soft = before.model.template.fine_parts <= 1
+    outside = np.setdiff1d(np.flatnonzero(soft), session.region)
+    assert len(np.intersect1d(outside, session.handles)) > 50
+    assert np.abs(change[:, 2]).max() > 10 and (change[outside] == 0).all()
+    edges = before.mesh.edges_unique
+    length = np.linalg.norm(before.vertices[edges[:, 0]] - before.vertices[edges[:, 1]], axis=1)
+    step = np.linalg.norm(change[edges[:, 0]] - change[edges[:, 1]], axis=1)
+    at_border = np.isin(edges, outside).sum(axis=1) == 1
+    assert (step[at_border] < 0.6 * np.maximum(length[at_border], 0.5)).all()  # without fading it is 24 times
+
+
+def test_handles_on_the_far_side_move_as_well(session):
+    left = View.preset("left")
+    before, handles = session.face, about(session.face, NOSE, 8)
+    seen = before.vertices[handles, 0] > 1
+    session.brush(handles)
+    nose = place(session, NOSE, left)
+    session.gesture(stroke(nose, nose - np.array([0.02, 0])), left)
+    assert seen.any() and not seen.all()
+    change = session.face.vertices - before.vertices
+    np.testing.assert_allclose(change[handles], np.tile([0, 0, 5.0], (len(handles), 1)), atol=1e-3)
+
+
 def test_an_eye_goes_along_with_the_skin_about_it(session):
     before = session.face
     eye = before.landmarks[36:42].mean(axis=0)
