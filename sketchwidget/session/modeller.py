@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from sketchwidget.face.cover import Cover
 from sketchwidget.face.handles import Attached, attached_parts
 from sketchwidget.face.template import PARTS
 from sketchwidget.geometry.region_deformation import RegionDeformation
@@ -102,6 +103,11 @@ class Modeller:
     def attached(self) -> list[Attached]:
         """Eyes, teeth and tongue, which do not deform, and what each of them follows."""
         return attached_parts(self.model.template, self.model.mean)
+
+    @cached_property
+    def covers(self) -> list[Cover]:
+        """The skin about each of the attached parts."""
+        return [Cover.of(part, self.model.template, self.model.mean) for part in self.attached]
 
     def deformation(self, movable: np.ndarray, handles: np.ndarray) -> RegionDeformation:
         """The deformation of a region (V,) bool by handles (h,); the last few are remembered, with their factors.

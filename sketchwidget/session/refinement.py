@@ -166,9 +166,12 @@ class Edit:
                 f"a displacement is finite, of shape {self.face.vertices.shape}; given shape {displacement.shape}"
             )
         moved = np.where(self.movable[:, None], displacement, 0.0)
-        for part in self.modeller.attached:  # eyes, teeth and tongue go along as they are
-            if self.refinement.region is None or self.refinement.region[part.vertices].all():
-                moved[part.vertices] = moved[part.leaders].mean(axis=0)
+        region = self.refinement.region
+        for part, cover in zip(self.modeller.attached, self.modeller.covers, strict=True):
+            # Eyes, teeth and tongue go along as they are; even outside of the region, they do not come through skin.
+            along = region is None or region[part.vertices].all()
+            wanted = moved[part.leaders].mean(axis=0) if along else np.zeros(3)
+            moved[part.vertices] = cover.held(wanted, self.face.vertices, moved)
         layer = Displacement.of(self.layers.drawn, moved)
         if self.refinement.layer is not None:
             layer = layer + self.refinement.layer

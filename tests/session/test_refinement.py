@@ -10,6 +10,7 @@ from refining import about, drawn, stroke
 
 from sketchwidget import GESTURES, Face, FaceModel, View, register_gesture
 from sketchwidget.geometry import rotation_about_y
+from sketchwidget.geometry.visibility import covering
 from sketchwidget.session import Brush, Gesture, Session, SessionFileError, behaviours
 from sketchwidget.sketch import Sketch
 
@@ -183,6 +184,33 @@ def test_an_eye_goes_along_with_the_skin_about_it(session):
     right = ball & (before.vertices[:, 0] < 0)
     np.testing.assert_allclose(change[right], np.tile([0, -5.0, 0], (right.sum(), 1)), atol=0.5)
     assert (change[ball & ~right] == 0).all()
+
+
+def through_the_skin(face):
+    """How many vertices of eyes, teeth and tongue are before the skin that they were behind, seen from the front."""
+    parts = face.model.template.fine_parts
+    hard, skin = np.flatnonzero(parts > 1), face.faces[(parts[face.faces] == 0).all(axis=1)]
+    point, above = covering(face.vertices[hard], face.vertices, skin)
+    outermost = np.full(len(hard), -np.inf)
+    np.maximum.at(outermost, point, np.where(above > -12, above, -np.inf))  # what is deeper is the back of the head
+    return int((np.isfinite(outermost) & (outermost < 0)).sum())
+
+
+@pytest.mark.parametrize(
+    ("marked", "radius", "name", "view"),
+    [
+        (range(17, 27), 8, "up roll 3", "front"),  # brows
+        (range(17, 27), 8, "down roll 3", "front"),
+        ([51], 5, "down roll 3", "front"),  # the upper lip
+        ([CORNER], 14, "down roll 3", "three-quarter"),  # of the mouth
+    ],
+)
+def test_no_eye_and_no_teeth_come_through_the_skin(session, marked, radius, name, view):
+    assert through_the_skin(session.face) == 0
+    session.brush(np.concatenate([about(session.face, landmark, radius) for landmark in marked]))
+    for _ in range(2):
+        session.gesture(drawn(name, place(session, marked[0], View.preset(view))), view)
+        assert through_the_skin(session.face) == 0
 
 
 def test_a_line_in_a_side_view_moves_in_its_plane(session):
