@@ -46,6 +46,7 @@ class Cover:
         to_skin, to_part = (rest[vertices] - middle for vertices in (skin, part))
         away, depth = np.linalg.norm(to_skin, axis=1), np.linalg.norm(to_part, axis=1)
         apart, nearest = KDTree(to_part / depth[:, None]).query(to_skin / away[:, None])
+        nearest = np.asarray(nearest, dtype=np.int64)
         covers = (apart < _APART) & (away > depth[nearest]) & (away < _FARTHEST)
         room = _EYE_MM if attached.is_eye else _TEETH_MM
         return cls(skin[covers], part[nearest[covers]], part, room)

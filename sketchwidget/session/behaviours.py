@@ -14,7 +14,7 @@ import numpy as np
 
 from sketchwidget.geometry.enclosure import enclosed
 from sketchwidget.geometry.silhouette import Drag, nearest_silhouette, silhouettes
-from sketchwidget.gesture.names import DOWN_ROLLS, LEFT_ARROW, LEVELS, LINE, REGION, RIGHT_ARROW, UP_ROLLS
+from sketchwidget.gesture.names import DOWN_ROLLS, GESTURES, LEFT_ARROW, LEVELS, LINE, REGION, RIGHT_ARROW, UP_ROLLS
 
 from .refinement import Edit, Refinement
 
@@ -135,7 +135,8 @@ def register_gesture(name: str, behaviour: Behaviour, recognise: Recogniser | No
         ``behaviour(edit) -> Refinement``; see `Edit`. A ValueError that it raises is told, and nothing is changed.
     recognise : callable, optional
         ``recognise(points) -> bool`` tells whether a stroke (n, 2) of canvas points, y down, is this gesture; it is
-        asked before the classifier. Without one, the name is a tool: `Session.gesture(points, tool=name)`.
+        asked before the classifier. Without one, the name is a tool: `Session.gesture(points, tool=name)`, and a button
+        in the Studio from when the mode "refine" is entered next, or anything is done there.
 
     Raises
     ------
@@ -166,6 +167,11 @@ def behaviour(name: str) -> Behaviour:
     if name not in _BEHAVIOURS:
         raise ValueError(f"a tool is one of {', '.join(_BEHAVIOURS)}; given {name!r}")
     return _BEHAVIOURS[name]
+
+
+def tools() -> tuple[str, ...]:
+    """The names of the tools that users added: what they do is asked for by name, and no stroke is taken for them."""
+    return tuple(name for name in _BEHAVIOURS if name not in GESTURES and name not in _RECOGNISERS)
 
 
 def recognised(points: np.ndarray) -> str | None:

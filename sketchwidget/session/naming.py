@@ -5,7 +5,11 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from sketchwidget.gesture.names import GESTURES, LINE
+from sketchwidget.sketch import resample
+from sketchwidget.sketch.polyline import arc_length
 
 from .behaviours import recognised, silhouette_beside
 from .events import Gesture
@@ -15,6 +19,7 @@ if TYPE_CHECKING:
     from .modeller import Modeller
     from .state import State
 
+_STRAIGHT = 0.985  # of a line: what there is between its ends, as a share of its length; a tenth of a turn has as much
 _ALONG = 0.7  # radians: what leads along a silhouette strays by less from its direction, on average
 
 
@@ -36,6 +41,12 @@ def named(event: Gesture, state: State, modeller: Modeller) -> Gesture:
     if name is None:
         raise ValueError(f"not a gesture: this stroke is none of {', '.join(GESTURES)}")
     return replace(event, name=name)
+
+
+def may_change(event: Gesture, state: State) -> bool:
+    """Whether a stroke that is still drawn, and named, may well become another gesture: a line that bends, a roll."""
+    bends = np.hypot(*(event.points[-1] - event.points[0])) < _STRAIGHT * arc_length(resample(event.points, 16))[-1]
+    return bool(event.name == LINE and len(state.refinement.handles) and bends)
 
 
 def _leads_along_silhouette(event: Gesture, state: State, modeller: Modeller) -> bool:

@@ -23,7 +23,7 @@ from .file import SessionFileError
 from .history import History
 from .layers import Layers
 from .modeller import Modelled, Modeller
-from .naming import named
+from .naming import may_change, named
 from .refinement import Refinement
 from .state import State
 
@@ -221,10 +221,10 @@ class Session(HasTraits):
     def preview_gesture(self, points: Any, view: View | str | None = None) -> Face | None:
         """The head that `gesture` would give, for a stroke that is still being drawn; nothing changes.
 
-        Parameters and errors are those of `gesture`. None if it is an arrow.
+        Parameters and errors are those of `gesture`. None if it is an arrow, or a line that may become a roll.
         """
         event = self._named(Gesture(points, view))
-        if event.name in (LEFT_ARROW, RIGHT_ARROW):
+        if event.name in (LEFT_ARROW, RIGHT_ARROW) or may_change(event, self._history.state):
             return None
         return self._modeller.head(apply(self._history.state, event, self._modeller)).face
 

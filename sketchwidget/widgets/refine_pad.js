@@ -1,6 +1,6 @@
 /* A pad over the head of the same Studio: brushes, gestures, and what they marked.
  *
- * Model   tool: 0 gesture, 1 brush, 2 unbrush, 3 orbit; active: whether the pad takes the pointer; radius of the brushes in
+ * Model   tool: 0 gesture, 1 brush, 2 unbrush, 3 orbit, from 4 on those that users added; active: whether the pad takes the pointer; radius of the brushes in
  *         canvas units (the view of the head is the unit square, y down).
  * Sends   {type: "ready"} when the marks must be sent;
  *         {type: "stroke" | "partial", stroke: id, tool, view: {rotation, scale, centre}} with one buffer: Float32 (n, 4) x, y,
@@ -13,9 +13,11 @@
  * The right button and a drag with Alt turn the head whatever the tool: the controls of the view get them as a plain drag.
  */
 
-const ORBIT = 3;
+const [GESTURE, BRUSH, UNBRUSH, ORBIT] = [0, 1, 2, 3];
 const FLASH = 1800; // milliseconds
 const PARTIAL_EVERY = 1000 / 15;
+const CELLS = 200; // a side, in which what hides the marks is looked up
+const BEHIND = 3; // millimetres behind the surface: what is deeper is hidden
 const HANDLE = "#0b8f7f";
 const REGION = "#c2410c";
 const INK = "#444444";
@@ -57,17 +59,47 @@ function render({ model, el }) {
     return [(event.clientX - box.left) / box.width, (event.clientY - box.top) / box.height];
   }
 
-  /** Projects vertices, and tells which of them face the viewer. */
+  /** Projects vertices, and tells which of them are seen: they face the viewer, and nothing lies before them. */
   function projector(view) {
-    const position = host.sketchwidget.geometry.getAttribute("position").array;
-    const normal = host.sketchwidget.geometry.getAttribute("normal")?.array;
+    const { geometry } = host.sketchwidget;
+    const position = geometry.getAttribute("position").array;
+    const normal = geometry.getAttribute("normal")?.array;
     const [x, y, z] = view.rotation;
     const dot = (axis, array, at) => axis[0] * array[at] + axis[1] * array[at + 1] + axis[2] * array[at + 2];
-    return (vertex) => {
+    const place = (vertex) => {
       const at = 3 * vertex;
-      const facing = !normal || dot(z, normal, at) > 0;
-      return [view.centre[0] + view.scale * dot(x, position, at), view.centre[1] - view.scale * dot(y, position, at), facing];
+      return [view.centre[0] + view.scale * dot(x, position, at), view.centre[1] - view.scale * dot(y, position, at), dot(z, position, at)];
     };
+    const nearest = surface(geometry.index.array, place);
+    return (vertex) => {
+      const [px, py, depth] = place(vertex);
+      const facing = !normal || dot(z, normal, 3 * vertex) > 0;
+      const [column, row] = [Math.floor(px * CELLS), Math.floor(py * CELLS)];
+      const inside = column >= 0 && column < CELLS && row >= 0 && row < CELLS;
+      return [px, py, facing && inside && depth > nearest[row * CELLS + column] - BEHIND];
+    };
+  }
+
+  /** The depth of what is nearest to the viewer at the middle of each cell of the pad, row after row. */
+  function surface(corners, place) {
+    const nearest = new Float32Array(CELLS * CELLS).fill(-Infinity);
+    for (let at = 0; at < corners.length; at += 3) {
+      const [[ax, ay, a], [bx, by, b], [cx, cy, c]] = [place(corners[at]), place(corners[at + 1]), place(corners[at + 2])];
+      const area = (bx - ax) * (cy - ay) - (cx - ax) * (by - ay);
+      if (area >= 0) continue; // it faces away, as y goes down
+      const first = (low) => Math.max(0, Math.ceil(low * CELLS - 0.5));
+      const last = (high) => Math.min(CELLS - 1, Math.floor(high * CELLS - 0.5));
+      for (let row = first(Math.min(ay, by, cy)); row <= last(Math.max(ay, by, cy)); row++) {
+        for (let column = first(Math.min(ax, bx, cx)); column <= last(Math.max(ax, bx, cx)); column++) {
+          const [px, py] = [(column + 0.5) / CELLS - ax, (row + 0.5) / CELLS - ay];
+          const s = (px * (cy - ay) - (cx - ax) * py) / area;
+          const t = ((bx - ax) * py - px * (by - ay)) / area;
+          const cell = row * CELLS + column;
+          if (s >= 0 && t >= 0 && s + t <= 1) nearest[cell] = Math.max(nearest[cell], a + s * (b - a) + t * (c - a));
+        }
+      }
+    }
+    return nearest;
   }
 
   function paint() {
@@ -75,7 +107,7 @@ function render({ model, el }) {
     if (ink.width !== size) ink.width = ink.height = size;
     const ctx = ink.getContext("2d");
     ctx.clearRect(0, 0, size, size);
-    const project = projector(viewOf(host.sketchwidget.camera));
+    const project = handles.length || border.length ? projector(viewOf(host.sketchwidget.camera)) : null;
     ctx.lineCap = ctx.lineJoin = "round";
     ctx.lineWidth = 0.004 * size;
     ctx.strokeStyle = REGION;
@@ -90,16 +122,17 @@ function render({ model, el }) {
     ctx.stroke();
     ctx.fillStyle = HANDLE;
     for (const vertex of handles) {
-      const [x, y, facing] = project(vertex);
-      if (facing) ctx.fillRect((x - 0.004) * size, (y - 0.004) * size, 0.008 * size, 0.008 * size);
+      const [x, y, seen] = project(vertex);
+      if (seen) ctx.fillRect((x - 0.004) * size, (y - 0.004) * size, 0.008 * size, 0.008 * size);
     }
     for (const one of [last, stroke]) if (one) trace(ctx, one, size);
   }
 
   function trace(ctx, { tool, points }, size) {
-    ctx.globalAlpha = tool === 0 ? 1 : 0.3;
-    ctx.strokeStyle = tool === 0 ? INK : tool === 1 ? HANDLE : "#888888";
-    ctx.lineWidth = (tool === 0 ? 0.006 : 2 * model.get("radius")) * size;
+    const brushes = tool === BRUSH || tool === UNBRUSH;
+    ctx.globalAlpha = brushes ? 0.3 : 1;
+    ctx.strokeStyle = tool === BRUSH ? HANDLE : tool === UNBRUSH ? "#888888" : INK;
+    ctx.lineWidth = (brushes ? 2 * model.get("radius") : 0.006) * size;
     ctx.beginPath();
     points.forEach(([x, y], at) => (at ? ctx.lineTo(x * size, y * size) : ctx.moveTo(x * size, y * size)));
     if (points.length === 1) ctx.lineTo(points[0][0] * size, points[0][1] * size);
@@ -146,7 +179,7 @@ function render({ model, el }) {
     event.stopImmediatePropagation();
     add(event);
     const now = performance.now();
-    if (stroke.tool || asked !== null || now - lastAsked < PARTIAL_EVERY || stroke.points.length < 8) return;
+    if (stroke.tool !== GESTURE || asked !== null || now - lastAsked < PARTIAL_EVERY || stroke.points.length < 8) return;
     asked = stroke.id;
     lastAsked = now;
     message("partial", stroke);

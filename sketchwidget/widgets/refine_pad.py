@@ -13,7 +13,8 @@ from ipywidgets import CallbackDispatcher
 
 from ..geometry import View
 
-TOOLS = ("gesture", "brush", "unbrush", "orbit")
+BRUSHES = ("brush", "unbrush")
+TOOLS = ("gesture", *BRUSHES, "orbit")
 
 
 class RefinePad(anywidget.AnyWidget):
@@ -24,12 +25,13 @@ class RefinePad(anywidget.AnyWidget):
 
     _esm = Path(__file__).parent / "refine_pad.js"
 
-    tool = traitlets.Int(0, min=0, max=len(TOOLS) - 1, help="index into TOOLS").tag(sync=True)
+    tool = traitlets.Int(0, min=0, help="index into tools").tag(sync=True)
     active = traitlets.Bool(False, help="whether the pad takes the pointer").tag(sync=True)
     radius = traitlets.Float(0.02, help="of the brushes, in canvas units").tag(sync=True)
 
     def __init__(self, **kwargs: Any) -> None:
         super().__init__(**kwargs)
+        self.tools: tuple[str, ...] = TOOLS  # and those that users added
         self._marks = (np.empty(0, dtype="<i4"), np.empty((0, 2), dtype="<i4"))
         self._stroke_callbacks = CallbackDispatcher()
         self._partial_callbacks = CallbackDispatcher()
@@ -40,7 +42,7 @@ class RefinePad(anywidget.AnyWidget):
     def on_stroke(self, callback: Callable[[np.ndarray, str, View], None]) -> None:
         """Call ``callback(points, tool, view)`` for each stroke that ends.
 
-        ``points`` is (n, 2) float32 in canvas units; ``tool`` is one of `TOOLS`; ``view`` is how the head was seen.
+        ``points`` is (n, 2) float32 in canvas units; ``tool`` is one of ``tools``; ``view`` is how the head was seen.
         """
         self._stroke_callbacks.register_callback(callback)
 
@@ -77,7 +79,7 @@ class RefinePad(anywidget.AnyWidget):
                 if kind == "partial":
                     self._partial_callbacks(points, View(**content["view"]))
                 else:
-                    self._stroke_callbacks(points, TOOLS[content["tool"]], View(**content["view"]))
+                    self._stroke_callbacks(points, self.tools[content["tool"]], View(**content["view"]))
             finally:
                 text, good = self._flash
                 said = {"text": text, "good": good, "partial": kind == "partial"}

@@ -13,9 +13,10 @@ from ..geometry import View
 from ..gesture import GESTURES
 from ..gesture.shapes import example
 from ..session import Session
+from ..session.behaviours import tools
 from . import toolbar
 from .head_view import HeadView
-from .refine_pad import TOOLS, RefinePad
+from .refine_pad import BRUSHES, TOOLS, RefinePad
 from .status import Status
 
 EXPECTED = "Brush handles, then draw a gesture on the head; the right button turns it."
@@ -70,12 +71,20 @@ class Refining:
         active = session.mode == "refine"
         self.pad.active = active
         self.bar.layout.display = "" if active else "none"
+        self._show_tools()
         self._show_chart()
         if active and session.refinement is not self._shown:
             self._shown = session.refinement
             region = session.refinement.region
             border = np.empty((0, 2), dtype=np.int32) if region is None else border_of(region, session.face.faces)
             self.pad.show(session.handles, border)
+
+    def _show_tools(self) -> None:
+        """Those that users added, beside the others."""
+        names = (*TOOLS, *tools())
+        if names != self.pad.tools:
+            self.pad.tools = names
+            toolbar.extend(self._tools, TOOLS, names[len(TOOLS) :])
 
     def _show_chart(self) -> None:
         wanted = self._session_of().mode == "refine" and self._help.value
@@ -100,8 +109,8 @@ class Refining:
             self._show_head()
 
     def _did(self, session: Session, points: np.ndarray, tool: str, view: View) -> str:
-        if tool == "gesture":
-            name = session.gesture(points, view)
+        if tool not in BRUSHES:
+            name = session.gesture(points, view, None if tool == "gesture" else tool)
             return f"{name}: {EFFECTS[name]}" if name in EFFECTS else name
         marks = session.under_brush(points, self.pad.radius, view)
         if not len(marks):
@@ -111,10 +120,11 @@ class Refining:
         return f"{count} handle{'' if count == 1 else 's'} marked" if changed else "No other handles"
 
     def _on_partial(self, points: np.ndarray, view: View) -> None:
-        with suppress(ValueError):  # what is no gesture yet may become one; what fails is told when the stroke ends
-            face = self._session_of().preview_gesture(points, view)
-            if face is not None:
-                self._head.show(face, self._session_of().frame, passing=True)
+        # What is no gesture yet may become one; between two loops of a roll the head stays as the first has made it.
+        with suppress(ValueError):
+            session = self._session_of()
+            face = session.preview_gesture(points, view)
+            self._head.show(session.face if face is None else face, session.frame, passing=True)
 
 
 def border_of(region: np.ndarray, faces: np.ndarray) -> np.ndarray:

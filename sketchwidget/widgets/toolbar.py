@@ -27,12 +27,24 @@ def choice(*names: str) -> ToggleButtons:
     """Buttons of which one is on; ``value`` says which. The browser switches them without asking the kernel."""
     commands = [COMMANDS[name] for name in names]
     made = ToggleButtons(
-        options=[(command.label or command.name, command.name) for command in commands],
+        options=_options(names),
         icons=[command.icon for command in commands if command.icon],
         tooltips=[command.tooltip for command in commands],
     )
     made.add_class(f"sketchwidget-choice-{names[0]}")
     return made
+
+
+def extend(made: ToggleButtons, names: tuple[str, ...], added: tuple[str, ...]) -> None:
+    """Give a choice of commands more buttons, which have a text each; what is chosen stays if it is still there."""
+    chosen, all_names = made.value, (*names, *added)
+    made.tooltips = [*(COMMANDS[name].tooltip for name in names), *added]
+    made.options = (*_options(names), *((name, name) for name in added))
+    made.value = chosen if chosen in all_names else names[0]
+
+
+def _options(names: tuple[str, ...]) -> tuple[tuple[str, str], ...]:
+    return tuple((COMMANDS[name].label or name, name) for name in names)
 
 
 def picker(name: str, accept: str) -> FileUpload:

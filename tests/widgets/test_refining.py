@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 from refining import about, drawn
 
-from sketchwidget import GESTURES, Session, Studio, View
+from sketchwidget import GESTURES, Session, Studio, View, register_gesture
+from sketchwidget.session import behaviours
 from sketchwidget.widgets.refine_pad import TOOLS, RefinePad
 from sketchwidget.widgets.refining import border_of, chart
 
@@ -30,7 +31,7 @@ def message(studio, points, tool="gesture", view=FRONT, kind="stroke"):
     points = np.asarray(points, dtype="<f4")
     whole = np.concatenate([points, np.zeros((len(points), 2), dtype="<f4")], axis=1)
     seen = {"rotation": view.rotation.tolist(), "scale": view.scale, "centre": view.centre.tolist()}
-    content = {"type": kind, "stroke": "a", "tool": TOOLS.index(tool), "view": seen}
+    content = {"type": kind, "stroke": "a", "tool": pad.tools.index(tool), "view": seen}
     pad._handle_custom_msg(content, [memoryview(whole.tobytes())])
     return next(one for one in sent if one["type"] == "answer")
 
@@ -94,6 +95,46 @@ def test_a_gesture_is_followed_while_it_is_drawn(studio):
     (preview, passing), *_ = shown
     assert passing and preview.landmarks[30, 1] > face.landmarks[30, 1] + 9
     assert studio.session.face is face
+
+
+def test_a_roll_is_not_first_followed_as_a_line(studio):
+    studio.session.brush(about(studio.session.face, 30, 6))
+    shown = []
+    studio._head.show = lambda face, frame, passing=False: shown.append(face)
+    rest = studio.session.face
+    roll = drawn("up roll 2", nose(studio), 0.2)
+    for count in range(8, len(roll), 4):
+        shown.clear()
+        message(studio, roll[:count], kind="partial")
+        forward = [face.landmarks[30] - rest.landmarks[30] for face in shown]
+        for across, up, depth in forward:
+            assert np.hypot(across, up) < 5 and depth > -1e-3  # as a line, it would go 20 mm aside
+    assert forward[-1][2] > 7
+
+
+@pytest.fixture
+def tools_restored():
+    known = dict(behaviours._BEHAVIOURS)
+    yield
+    behaviours._BEHAVIOURS.clear()
+    behaviours._BEHAVIOURS.update(known)
+
+
+def test_a_tool_that_is_registered_has_a_button(studio, tools_restored):
+    bar = studio._refining._tools
+    bar.value = "brush"
+    register_gesture("lift", lambda edit: edit.displaced(np.tile([0, 2.0, 0], (len(edit.face.vertices), 1))))
+    register_gesture("zigzag", lambda edit: edit.refinement, lambda points: False)  # a gesture: no button
+    studio.session.brush([5])
+    assert [value for _, value in bar.options] == [*TOOLS, "lift"] and bar.value == "brush"
+    before = studio.session.face
+    answer = message(studio, np.random.default_rng(0).random((20, 2)), tool="lift")
+    assert answer["good"] and answer["text"] == "lift"
+    soft = before.model.template.fine_parts <= 1
+    np.testing.assert_allclose((studio.session.face.vertices - before.vertices)[soft, 1], 2.0, atol=1e-3)
+    again = Studio(Session(inference=False))
+    again.session.mode = "refine"
+    assert [value for _, value in again._refining._tools.options] == [*TOOLS, "lift"]
 
 
 def test_the_border_of_two_triangles_is_their_outline():
