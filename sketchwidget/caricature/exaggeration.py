@@ -38,12 +38,7 @@ def exaggerate(face: Face, amount: Any) -> Face:
     ValueError
         If the amount is not a number between 0 and 3.
     """
-    try:
-        factor = float(amount)
-    except (TypeError, ValueError) as error:
-        raise ValueError(f"an amount of exaggeration is a number from 0 to {LARGEST:g}; given {amount!r}") from error
-    if not 0.0 <= factor <= LARGEST:
-        raise ValueError(f"an amount of exaggeration is a number from 0 to {LARGEST:g}; given {amount!r}")
+    factor = as_amount(amount)
     if factor == 1.0:
         return face
     head = deformable_head(face.model)
@@ -63,6 +58,24 @@ def exaggerate(face: Face, amount: Any) -> Face:
     # Eyes, teeth and tongue: from the mean face's to the head's own.
     vertices = (1 - share) * head.vertices(changed) + share * head.vertices(changed, coarse)
     return Face(face.model, vertices)
+
+
+def as_amount(given: Any) -> float:
+    """An amount of exaggeration.
+
+    Raises
+    ------
+    ValueError
+        If it is not a number between 0 and 3.
+    """
+    expected = f"an amount of exaggeration is a number from 0 to {LARGEST:g}"
+    try:
+        amount = float(given)
+    except (TypeError, ValueError) as error:
+        raise ValueError(f"{expected}; given {given!r}") from error
+    if not 0.0 <= amount <= LARGEST:
+        raise ValueError(f"{expected}; given {given!r}")
+    return amount
 
 
 def _multiplied(deformation: Deformation, factor: float) -> Deformation:

@@ -2,7 +2,21 @@
 
 from .apply import apply
 from .behaviours import register_gesture
-from .events import Brush, Cancel, Clear, Draw, Erase, Event, Gesture, Mode, Redo, StartFromTemplate, Undo
+from .events import (
+    Brush,
+    Cancel,
+    Clear,
+    Draw,
+    Erase,
+    Event,
+    Exaggerate,
+    Gesture,
+    Mode,
+    Redo,
+    StartFromTemplate,
+    TakeOver,
+    Undo,
+)
 from .file import SessionFileError
 from .history import History
 from .layers import Displacement, Layers
@@ -20,6 +34,7 @@ __all__ = [
     "Edit",
     "Erase",
     "Event",
+    "Exaggerate",
     "Gesture",
     "History",
     "Layers",
@@ -32,6 +47,7 @@ __all__ = [
     "SessionFileError",
     "StartFromTemplate",
     "State",
+    "TakeOver",
     "Undo",
     "apply",
     "register_gesture",

@@ -10,10 +10,11 @@ from sketchwidget.sketch import UNNAMED, Sketch, erase
 
 from . import followup
 from .behaviours import gestured
-from .events import Brush, Cancel, Clear, Draw, Erase, Event, Gesture, Mode, StartFromTemplate
+from .events import Brush, Cancel, Clear, Draw, Erase, Event, Exaggerate, Gesture, Mode, StartFromTemplate, TakeOver
 from .modeller import Modeller
 from .refinement import brushed, unmarked
 from .state import State
+from .take_over import exaggerated, taken_over
 
 
 def apply(state: State, event: Event, modeller: Modeller) -> State:
@@ -38,12 +39,24 @@ def apply(state: State, event: Event, modeller: Modeller) -> State:
     TypeError
         If the event is no edit: what Undo and Redo mean depends on a history.
     """
+    after = _applied(state, event, modeller)
+    # What follows an exaggeration starts from the head as it is by then.
+    if after is state or after.exaggeration is None or after.exaggeration is not state.exaggeration:
+        return after
+    return replace(after, exaggeration=None)
+
+
+def _applied(state: State, event: Event, modeller: Modeller) -> State:
     match event:
         case Mode(mode=mode):
             return state if mode == state.mode else _switched(state, mode, modeller)
         case StartFromTemplate():
             started = followup.from_template(modeller)
             return state if _is_untouched(state, started) else started
+        case TakeOver(vertices=vertices):
+            return taken_over(modeller.face(vertices), modeller)
+        case Exaggerate(amount=amount):
+            return exaggerated(state, amount, modeller)
         case Draw() | Erase() | Clear() | Cancel() if state.mode == "followup":
             return followup.edited(state, event, modeller)
         case Cancel():
@@ -58,7 +71,9 @@ def apply(state: State, event: Event, modeller: Modeller) -> State:
             sketch = _edited(state.sketch, event)
             if sketch is state.sketch:
                 return state
-            return replace(state, sketch=sketch, followup=state.followup if len(sketch) else None)
+            if len(sketch):
+                return replace(state, sketch=sketch)
+            return replace(state, sketch=sketch, followup=None, residual=None)
 
 
 def _switched(state: State, mode: str, modeller: Modeller) -> State:
@@ -72,7 +87,8 @@ def _refining(state: State, modeller: Modeller) -> State:
 def _is_untouched(state: State, started: State) -> bool:
     """Whether a state is what starting from the template gives."""
     lines = state.followup is not None and state.followup.profile is None and state.followup.lines
-    return state.mode == started.mode and state.sketch == lines == started.sketch
+    same = state.mode == started.mode and state.sketch == lines == started.sketch
+    return same and state.residual is None
 
 
 def _edited(sketch: Sketch, event: Event) -> Sketch:
@@ -88,4 +104,4 @@ def _edited(sketch: Sketch, event: Event) -> Sketch:
         case Clear():
             return Sketch() if len(sketch) else sketch
         case _:
-            raise TypeError(f"an edit is a Draw, Erase, Clear, Mode or StartFromTemplate; given {event!r}")
+            raise TypeError(f"an edit is a Draw, Erase, Clear, Mode, TakeOver or the like; given {event!r}")

@@ -13,6 +13,8 @@ from sketchwidget.sketch import as_stroke
 from sketchwidget.sketch.erase import as_radius
 from sketchwidget.sketch.stroke import MAX_GIVEN_POINTS
 
+from .packed import pack, rounded, unpack
+
 VIEWS = ("front", "left", "right")
 FEWEST_POINTS = 3  # of a gesture: a stroke of two is a slip of the pen
 MODES = ("initial", "followup", "refine")
@@ -20,6 +22,7 @@ MODES = ("initial", "followup", "refine")
 SCALES = (1e-4, 0.2)  # canvas units per mm: of a head 5 mm high to one 10 m high where the pad is a span of the hand
 _DECIMALS = 5  # of a coordinate: 2.5 micrometres of the head
 _VIEW_DECIMALS = 6  # float32 has no more
+_AMOUNT_DECIMALS = 3
 
 
 @dataclass(frozen=True, eq=False)
@@ -222,7 +225,57 @@ class Brush(Event):
         object.__setattr__(self, "vertices", vertices)
 
 
-_EVENTS = (Draw, Erase, Clear, Undo, Redo, Mode, StartFromTemplate, Cancel, Gesture, Brush)
+@dataclass(frozen=True, eq=False)
+class TakeOver(Event):
+    """A head from elsewhere becomes the session's: of a caricature, a portrait, or another session.
+
+    Parameters
+    ----------
+    vertices : (V, 3) array-like, or str
+        Millimetres, in the topology of the session's model, kept as float32 rounded to 0.01; or as they are written to
+        a file, packed in text.
+
+    Raises
+    ------
+    ValueError
+        If they are no vertices of a head.
+    """
+
+    vertices: Any
+
+    def __post_init__(self) -> None:
+        packed = isinstance(self.vertices, str)
+        object.__setattr__(self, "vertices", unpack(self.vertices) if packed else rounded(self.vertices))
+
+    def to_json(self) -> dict[str, Any]:
+        """The event as a JSON object; the vertices are packed."""
+        return {"event": "takeover", "vertices": pack(self.vertices)}
+
+
+@dataclass(frozen=True, eq=False)
+class Exaggerate(Event):
+    """The head differs from the mean face more, or less.
+
+    Parameters
+    ----------
+    amount : float
+        From 0, the mean face, by 1, as it is, to 3. Right after another one it takes that one's place.
+
+    Raises
+    ------
+    ValueError
+        If it is anything else.
+    """
+
+    amount: float
+
+    def __post_init__(self) -> None:
+        from sketchwidget.caricature.exaggeration import as_amount
+
+        object.__setattr__(self, "amount", round(as_amount(self.amount), _AMOUNT_DECIMALS))
+
+
+_EVENTS = (Draw, Erase, Clear, Undo, Redo, Mode, StartFromTemplate, Cancel, Gesture, Brush, TakeOver, Exaggerate)
 _KINDS = {event.__name__.lower(): event for event in _EVENTS}
 
 _LATER = {"gesture": {"name"}}  # fields that files of former versions lack

@@ -105,8 +105,10 @@ class HandleTargets:
         # Drawn smoother than the mesh has it: what was not edited stays as near to its place as it may.
         former = handle_points(pieces_of(self.followup.lines, name), len(placed))
         off = self.frame.project(self.followup.start.layers.drawn.curve(name)) - former
-        off *= np.minimum(1.0, _LEEWAY * self.frame.scale / np.maximum(np.linalg.norm(off, axis=1), 1e-9))[:, None]
         same = np.linalg.norm(drawn - former, axis=1) < 1e-6
+        if same.all():
+            return former + off
+        off *= np.minimum(1.0, _LEEWAY * self.frame.scale / np.maximum(np.linalg.norm(off, axis=1), 1e-9))[:, None]
         return np.where(same[:, None], former + off, slid(pieces[0], placed, same))
 
 

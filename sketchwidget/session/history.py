@@ -7,7 +7,7 @@ from collections import deque
 from sketchwidget.gesture.names import LEFT_ARROW, RIGHT_ARROW
 
 from .apply import apply
-from .events import Event, Gesture, Redo, Undo
+from .events import Event, Exaggerate, Gesture, Redo, Undo
 from .modeller import Modeller
 from .state import State
 
@@ -68,6 +68,12 @@ class History:
         state = apply(self.state, event, self._modeller)
         if state is self.state:
             return False
+        if isinstance(event, Exaggerate) and self.state.exaggeration is not None:
+            # One after the other is one step, and back at 1 none.
+            self._take_back()
+            if event.amount == 1.0:
+                self._undone.clear()
+                return True
         self._done.append(event)
         self._undone.clear()
         self._states.append(state)
@@ -82,13 +88,18 @@ class History:
     def _undo(self) -> bool:
         if not self._done:
             return False
-        self._undone.append(self._done.pop())
+        self._undone.append(self._take_back())
+        return True
+
+    def _take_back(self) -> Event:
+        """The last edit, which counts no more."""
+        edit = self._done.pop()
         self._states.pop()
         if not self._states:
             self._states.append(State())
-            for edit in self._done:
-                self._states.append(apply(self.state, edit, self._modeller))
-        return True
+            for earlier in self._done:
+                self._states.append(apply(self.state, earlier, self._modeller))
+        return edit
 
     def _redo(self) -> bool:
         if not self._undone:

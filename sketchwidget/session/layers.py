@@ -77,6 +77,13 @@ class Layers:
     targets: Layer | None = None
     refinement: Layer | None = None
 
+    @classmethod
+    def giving(cls, head: Face, parameters: Face, residual: Layer) -> Layers:
+        """Parameters and residual of a head that is known: exactly that is drawn, the residual is not applied."""
+        layers = cls(parameters, residual)
+        layers.__dict__["drawn"] = head
+        return layers
+
     @cached_property
     def drawn(self) -> Face:
         """The head whose lines are drawn: all layers but the refinement."""

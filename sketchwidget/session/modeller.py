@@ -153,6 +153,18 @@ class Modeller:
             self._model = FaceModel.load()
         return self._model
 
+    def face(self, vertices: np.ndarray) -> Face:
+        """The head of given vertices (V, 3).
+
+        Raises
+        ------
+        ValueError
+            If there are not as many as the model has.
+        """
+        from sketchwidget.face import Face
+
+        return Face(self.model, vertices)
+
     def prepare(self) -> None:
         """Load the network and what deforms heads."""
         if self.inference:
@@ -185,12 +197,15 @@ class Modeller:
             return replace(self.head(followup.before), names=_names(state.sketch))
         if followup is not None and followup.profile is None and state.sketch == followup.lines:
             return replace(followup.start, names=_names(state.sketch), timings={})
-        inferred = self._inferred(state.sketch)
+        inferred = self.inferred(state.sketch)
+        if state.residual is not None:
+            inferred = state.residual.on(inferred)
         if followup is None or not (_edited(state.sketch) or followup.profile is not None):
             return inferred
         return self._obeying(inferred, state.sketch, followup)
 
-    def _inferred(self, sketch: Sketch) -> Modelled:
+    def inferred(self, sketch: Sketch) -> Modelled:
+        """The head that is inferred from a sketch; without inference, that of the template."""
         if not self.inference:
             return Modelled.of(self.model.face(), View(), sketch)
         regressor = self.regressor

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 from traitlets import Any as AnyTrait
-from traitlets import Bool, Dict, HasTraits, Instance, Unicode, default
+from traitlets import Bool, Dict, Float, HasTraits, Instance, Unicode, default
 
 from sketchwidget.geometry.enclosure import brushed
 from sketchwidget.geometry.view import View
@@ -18,7 +18,22 @@ from sketchwidget.sketch.erase import as_radius
 
 from . import file, profile
 from .apply import apply
-from .events import Brush, Cancel, Clear, Draw, Erase, Event, Gesture, Mode, Redo, StartFromTemplate, Undo, as_seen
+from .events import (
+    Brush,
+    Cancel,
+    Clear,
+    Draw,
+    Erase,
+    Event,
+    Exaggerate,
+    Gesture,
+    Mode,
+    Redo,
+    StartFromTemplate,
+    TakeOver,
+    Undo,
+    as_seen,
+)
 from .file import SessionFileError
 from .history import History
 from .layers import Layers
@@ -67,6 +82,8 @@ class Session(HasTraits):
         Where the drawing places the head on the canvas.
     refinement : Refinement
         What is marked on the head, and what gestures made of it; see also `handles` and `region`.
+    exaggeration : float
+        How much the head was exaggerated, 1 for as it is; what is done after it starts from 1 again.
     timings : dict of str to float
         Milliseconds of the last change: "sketch" for the edit, "inference", "total", and the steps of the inference.
     gap : Gap or None
@@ -82,6 +99,7 @@ class Session(HasTraits):
     layers = Instance(Layers, read_only=True)
     frame = Instance(View, args=(), read_only=True)
     refinement = Instance(Refinement, args=(), read_only=True)
+    exaggeration = Float(1.0, read_only=True)
     timings = Dict(read_only=True)
     gap: Any = AnyTrait(None, read_only=True)
     can_undo = Bool(False, read_only=True)
@@ -181,6 +199,48 @@ class Session(HasTraits):
     def start_from_template(self) -> None:
         """Begin follow-up sketching with the lines of the template, in place of the drawing (paper 3.2)."""
         self._do(StartFromTemplate())
+
+    def take_over(self, face: Face | np.ndarray) -> None:
+        """Make a head from elsewhere the session's: of a caricature, a portrait, another session.
+
+        Its lines take the place of the drawing, and follow-up sketching begins. Its parameters are inferred from the
+        lines; what they do not explain stays as a layer of its own while the lines are edited. The session's file holds
+        the head itself, to 0.01 mm.
+
+        Parameters
+        ----------
+        face : Face or (V, 3) array
+            Of the topology of the session's model, in millimetres and its frame.
+
+        Raises
+        ------
+        ValueError
+            If it is no such head; nothing has changed then.
+        """
+        self._do(TakeOver(getattr(face, "vertices", face)))
+
+    def exaggerate(self, amount: float) -> bool:
+        """Multiply what makes the head differ from the mean face, all its layers together.
+
+        The lines of the exaggerated head take the place of the drawing, until it is back at 1. Called again right
+        after, it starts from the same head, and both are undone together.
+
+        Parameters
+        ----------
+        amount : float
+            From 0, the mean face, by 1, as it is, to 3.
+
+        Returns
+        -------
+        bool
+            Whether it changed anything.
+
+        Raises
+        ------
+        ValueError
+            If it is anything else; nothing has changed then.
+        """
+        return self._do(Exaggerate(amount))
 
     def cancel(self) -> bool:
         """Give back what was erased and waits to be drawn anew; False if nothing waits."""
@@ -362,6 +422,8 @@ class Session(HasTraits):
             event = self._named(event)  # those of old files have no name yet
         changed = self._history.record(event)
         if changed:
+            if _replaces(event, self._events):
+                self._events.pop()
             self._events.append(event)
         return changed
 
@@ -373,6 +435,7 @@ class Session(HasTraits):
             "gap": state.followup and state.followup.gap,
             "sketch": state.sketch,
             "refinement": state.refinement,
+            "exaggeration": 1.0 if state.exaggeration is None else state.exaggeration.amount,
             "can_undo": self._history.can_undo,
             "can_redo": self._history.can_redo,
             "timings": {"sketch": _milliseconds_since(started)},
@@ -396,6 +459,12 @@ class Session(HasTraits):
     def regressor(self) -> FaceRegressor:
         """What infers the heads; the shipped one is loaded when it is first asked for."""
         return self._modeller.regressor
+
+
+def _replaces(event: Event, before: list[Event]) -> bool:
+    """Whether nothing is left of the event before: of a slider's moves the last one counts."""
+    moved = isinstance(event, Exaggerate) and event.amount != 1.0
+    return moved and bool(before) and isinstance(before[-1], Exaggerate)
 
 
 def _milliseconds_since(started: float) -> float:

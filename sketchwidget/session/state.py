@@ -11,6 +11,7 @@ from .refinement import UNREFINED, Refinement
 
 if TYPE_CHECKING:
     from .followup import Followup
+    from .take_over import Exaggeration, Residual
 
 
 @dataclass(frozen=True)
@@ -29,9 +30,15 @@ class State:
         What is edited in follow-up sketching; it stays when the mode is left.
     refinement : Refinement
         What is marked on the head, and what gestures made of it.
+    residual : Residual, optional
+        What a head from elsewhere adds to the one that is inferred.
+    exaggeration : Exaggeration, optional
+        How much the head was exaggerated, while nothing was done since.
     """
 
     mode: str = "initial"
     sketch: Sketch = field(default_factory=Sketch)
     followup: Followup | None = None
     refinement: Refinement = UNREFINED
+    residual: Residual | None = None
+    exaggeration: Exaggeration | None = None

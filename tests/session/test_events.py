@@ -81,7 +81,7 @@ def test_a_bad_event_cannot_be_made(make, complaint):
         (None, "a JSON object"),
         ([], "a JSON object"),
         ({}, "given None"),
-        ({"event": "paint"}, "one of draw, erase, .*, gesture, brush; given 'paint'"),
+        ({"event": "paint"}, "one of draw, erase, .*, gesture, brush, takeover, exaggerate; given 'paint'"),
         ({"event": ["draw"]}, "one of"),
         ({"event": "undo", "times": 2}, "has the fields"),
         ({"event": "erase", "points": [[0, 0]]}, "has the fields"),
