@@ -10,11 +10,12 @@ from ..database.drawings import as_sketch
 from ..sketch import Sketch
 from ..sketch.erase import erase_stroke
 from ..sketch.pen import as_pen_stroke, from_tablet
+from .steps import Steps
 
 Strokes = tuple[np.ndarray, ...]
 
 
-class Draft:
+class Draft(Steps[Strokes]):
     """Strokes (n, 4) of x, y, pressure and milliseconds since the stroke began.
 
     Erasing leaves of a stroke what `sketch.erase` does. What is left keeps the pressure and the time that it was drawn
@@ -22,28 +23,17 @@ class Draft:
     """
 
     def __init__(self) -> None:
-        self._states: list[Strokes] = [()]
-        self._present = 0
+        super().__init__(())
 
     @property
     def strokes(self) -> Strokes:
         """The strokes that are there now, in the order they were drawn."""
-        return self._states[self._present]
+        return self.present
 
     @property
     def sketch(self) -> Sketch:
         """The strokes without pressure and time."""
         return as_sketch(self.strokes)
-
-    @property
-    def can_undo(self) -> bool:
-        """Whether an edit can be taken back."""
-        return self._present > 0
-
-    @property
-    def can_redo(self) -> bool:
-        """Whether an edit was taken back, and nothing done since."""
-        return self._present + 1 < len(self._states)
 
     def draw(self, points: Any) -> None:
         """Draw a stroke (n, 4), as `Ink.on_stroke` gives it.
@@ -53,7 +43,7 @@ class Draft:
         ValueError
             If it is no stroke, as `as_pen_stroke` has them.
         """
-        self._set((*self.strokes, from_tablet(points)))
+        self.go_to((*self.strokes, from_tablet(points)))
 
     def erase(self, path: Any, radius: float) -> bool:
         """Erase the ink under an eraser that went along a path (n, 2); False if there was none.
@@ -67,29 +57,15 @@ class Draft:
         strokes = tuple(part for parts in left for part in parts)
         changed = [*map(id, strokes)] != [*map(id, self.strokes)]
         if changed:
-            self._set(strokes)
+            self.go_to(strokes)
         return changed
 
     def clear(self) -> bool:
         """Remove all ink; False if there was none."""
         if self.strokes:
-            self._set(())
+            self.go_to(())
             return True
         return False
-
-    def undo(self) -> bool:
-        """Take the last edit back; False if there was none."""
-        self._present -= (possible := self.can_undo)
-        return possible
-
-    def redo(self) -> bool:
-        """Do the edit last taken back again; False if there was none, or something was done since."""
-        self._present += (possible := self.can_redo)
-        return possible
-
-    def _set(self, strokes: Strokes) -> None:
-        self._present += 1
-        self._states[self._present :] = [strokes]
 
 
 def _without(stroke: np.ndarray, path: Any, radius: float) -> list[np.ndarray]:

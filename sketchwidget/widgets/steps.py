@@ -1,0 +1,50 @@
+"""Edits that can be undone: a line of values, of which one is the present."""
+
+from __future__ import annotations
+
+from typing import Generic, TypeVar
+
+T = TypeVar("T")
+
+
+class Steps(Generic[T]):
+    """The values that something had, one after the other.
+
+    Parameters
+    ----------
+    first : T
+    """
+
+    def __init__(self, first: T) -> None:
+        self._states = [first]
+        self._now = 0
+
+    @property
+    def present(self) -> T:
+        """What it is now."""
+        return self._states[self._now]
+
+    @property
+    def can_undo(self) -> bool:
+        """Whether an edit can be taken back."""
+        return self._now > 0
+
+    @property
+    def can_redo(self) -> bool:
+        """Whether an edit was taken back, and nothing done since."""
+        return self._now + 1 < len(self._states)
+
+    def undo(self) -> bool:
+        """Take the last edit back; False if there was none."""
+        self._now -= (possible := self.can_undo)
+        return possible
+
+    def redo(self) -> bool:
+        """Do the edit last taken back again; False if there was none, or something was done since."""
+        self._now += (possible := self.can_redo)
+        return possible
+
+    def go_to(self, value: T) -> None:
+        """Let it be something else from now on."""
+        self._now += 1
+        self._states[self._now :] = [value]
