@@ -37,7 +37,7 @@ def landmarks_from(points: Any, model: FaceModel) -> np.ndarray:
     """
     given = np.asarray(points, dtype=np.float64)
     if given.shape != (COUNT, 2) or not np.isfinite(given).all():
-        raise ValueError(f"a face is begun by three finite points (3, 2) of pixels; given an array of shape {given.shape}")
+        raise ValueError(f"a face is begun by three finite points (3, 2) of pixels; given shape {given.shape}")
     eyes, chin = given[given[:2, 0].argsort()], given[2]
     along, down = eyes[1] - eyes[0], chin - eyes.mean(axis=0)
     size = float(np.linalg.norm(along))

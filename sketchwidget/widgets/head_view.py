@@ -86,7 +86,11 @@ class HeadView:
 
     def look(self, preset: str) -> None:
         """Turn to a view by name: front, left, right or three-quarter."""
-        self.widget.look(View.preset(preset).rotation[2])
+        self.look_from(View.preset(preset).rotation[2])
+
+    def look_from(self, direction: np.ndarray) -> None:
+        """Turn until it is seen from a direction (3,), upright."""
+        self.widget.look(direction)
 
     def _send(self, passing: bool = False) -> None:
         self.widget.send_positions(self._face.vertices, self._frame.scale, self._frame.centre, passing)

@@ -5,7 +5,7 @@
  * Sends nothing: a key clicks the button, so that a key and a click are one thing.
  *
  * Where the user is typing (a cell's editor, a text field) no key is taken, even under the pointer, nor the key of a button
- * that this Studio lacks; a key that is taken is kept from the notebook, where z would undo a cell operation.
+ * that this Studio lacks or does not show now; a key that is taken is kept from the notebook, where z would undo a cell operation.
  */
 
 const STUDIO = ".sketchwidget-studio";
@@ -34,7 +34,7 @@ function render({ model, el }) {
     if (!studio || typing() || studioMeant() !== studio) return;
     const selector = model.get("bindings")[combination(event)];
     const button = selector && studio.querySelector(selector);
-    if (!button) return;
+    if (!button?.offsetParent) return; // none, or one that is not on show
     event.preventDefault();
     event.stopImmediatePropagation();
     button.click();

@@ -51,6 +51,7 @@ class Refining:
     def __init__(self, session_of: Callable[[], Session], head: HeadView, status: Status) -> None:
         self._session_of, self._head, self._status = session_of, head, status
         self._shown: Any = None
+        self._active = False
         self.pad = RefinePad()
         self._tools = toolbar.choice(*TOOLS)
         self._help = toolbar.toggle("chart")
@@ -65,10 +66,10 @@ class Refining:
         self.pad.on_cancel(self._show_head)
         self.bar.layout.display = self.chart.layout.display = "none"
 
-    def show(self) -> None:
-        """Show the marks of the session, if it is being refined."""
+    def show(self, hidden: bool = False) -> None:
+        """Show the marks of the session, if it is being refined and no other tab hides that."""
         session = self._session_of()
-        active = session.mode == "refine"
+        active = self._active = session.mode == "refine" and not hidden
         self.pad.active = active
         self.bar.layout.display = "" if active else "none"
         self._show_tools()
@@ -87,7 +88,7 @@ class Refining:
             toolbar.extend(self._tools, TOOLS, names[len(TOOLS) :])
 
     def _show_chart(self) -> None:
-        wanted = self._session_of().mode == "refine" and self._help.value
+        wanted = self._active and self._help.value
         self.chart.layout.display = "" if wanted else "none"
 
     def _show_head(self) -> None:

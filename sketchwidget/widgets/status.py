@@ -13,7 +13,7 @@ from .commands import COMMANDS
 
 # What a face is drawn with, as people say it, and the beginnings of the line names that make it up.
 PARTS = {"eyes": "eye", "brows": "brow", "nose": "nose", "mouth": "mouth"}
-SHOWN_TIMINGS = ("inference", "deformation", "total")
+SHOWN_TIMINGS = ("inference", "deformation", "fit", "total")
 
 
 class Status(HBox):

@@ -12,11 +12,15 @@ from ipywidgets import Box, VBox, jslink
 
 from ..face import Face, FaceModel
 from ..session import Session
+from ..session.take_over import standing
 from ..sketch import SILHOUETTE, Segment, Sketch
 from . import toolbar
-from .download import Downloads
+from .caricaturing import Caricaturing
+from .exaggerating import Exaggerating
+from .files import Files
 from .head_view import HeadView
 from .keyboard import Keyboard
+from .marking import Marking
 from .pad import Pad
 from .refine_pad import TOOLS as REFINING_TOOLS
 from .refining import EXPECTED, Refining
@@ -24,9 +28,8 @@ from .status import Status, expected_next, said
 
 TOOLS = ("pen", "eraser")
 MODES = ("initial", "followup", "refine")
+TABS = (*MODES, "caricature")
 VIEWS = ("front", "left", "right", "three-quarter")
-EXPORTS = {"obj": "model/obj", "glb": "model/gltf-binary"}
-SESSION_NAME, SESSION_TYPE = "drawing.jsonl", "application/jsonl"
 
 
 class Studio(VBox):
@@ -53,10 +56,9 @@ class Studio(VBox):
         self._pad = Pad()
         self._head = HeadView(self._resting_face)
         self._status = Status()
-        self._downloads = Downloads()
         self._side = "front"  # the view that the pad shows: in follow-up sketching also the profile's
         self._shown: tuple[Any, ...] = (None,) * 7  # what of the session is on show
-        self._loaded: tuple[Session, Session, int] | None = None  # former, loaded, and the latter's number of events
+        self._tab: Caricaturing | None = None  # the tab on show, if it is none of a mode of the session
         super().__init__()
         self.children = self._layout()
         self.add_class("sketchwidget-studio")
@@ -73,15 +75,22 @@ class Studio(VBox):
     # -- building ------------------------------------------------------------------------------------------------------
 
     def _layout(self) -> list[Any]:
-        self._mode = toolbar.choice(*MODES)
+        self._mode = toolbar.choice(*TABS)
         self._tools = toolbar.choice(*TOOLS)
         self._mirror, self._ghost, self._live = (toolbar.toggle(name) for name in ("mirror", "ghost", "live"))
         self._live.value = True
         self._undo, self._redo, self._clear = (toolbar.button(name) for name in ("undo", "redo", "clear"))
         self._cancel, template = toolbar.button("cancel"), toolbar.button("template")
         views = [toolbar.button(name) for name in VIEWS]
-        save, load = toolbar.button("save"), toolbar.picker("load", ".jsonl,.json")
-        exports = [toolbar.button(name) for name in EXPORTS]
+        self._files = Files(lambda: self.session, self._set_session, lambda: self._face, self._status)
+        self._refining = Refining(lambda: self.session, self._head, self._status)
+        self._exaggerating = Exaggerating(self._on_exaggerate)
+        self._marking = Marking(self._status)
+        self._tabs = {
+            "caricature": Caricaturing(
+                self._marking, self._head, self._status, lambda: self._drawn.model, self._show_tab, self._take_over
+            )
+        }
 
         # Linked in the browser, so that a stroke right after a key is drawn with the tool that the key chose.
         jslink((self._tools, "index"), (self._pad.widget, "tool"))
@@ -96,24 +105,23 @@ class Studio(VBox):
         self._mode.observe(self._on_mode, "value")
         for name, button in zip(VIEWS, views, strict=True):
             button.on_click(lambda _, name=name: self._on_view(name))
-        save.on_click(lambda _: self._on_save())
-        load.observe(self._on_load, "value")
-        for name, button in zip(EXPORTS, exports, strict=True):
-            button.on_click(lambda _, name=name: self._on_export(name))
 
-        title = _classed(
-            Box([toolbar.bar((self._mode,)), toolbar.bar((template, save, load), tuple(exports))]), "sketchwidget-title"
-        )
-        edits = (self._undo, self._redo, self._cancel, self._clear)
-        pad_bar = toolbar.bar((self._tools,), edits, (self._mirror, self._ghost, self._live))
-        drawing = _classed(VBox([pad_bar, self._pad.widget]), "sketchwidget-panel")
-        head_bar = _classed(toolbar.bar(tuple(views)), "sketchwidget-views")
-        self._refining = Refining(lambda: self.session, self._head, self._status)
-        head_bars = Box([head_bar, self._refining.bar])
-        head = _classed(VBox([head_bars, self._head.widget, self._refining.chart]), "sketchwidget-panel")
-        desk = _classed(Box([drawing, head]), "sketchwidget-desk")
-        keyboard = Keyboard(bindings=toolbar.bindings(TOOLS, MODES, REFINING_TOOLS))
-        return [title, desk, self._status, self._downloads, keyboard, self._refining.pad]
+        saving, exports = self._files.groups
+        title = Box([toolbar.bar((self._mode,)), toolbar.bar((template, *saving), exports)])
+        title.add_class("sketchwidget-title")
+        tools = toolbar.bar((self._tools,)).add_class(at("drawing"))
+        edits = toolbar.bar((self._undo, self._redo, self._clear))
+        more = toolbar.bar((self._cancel,), (self._mirror, self._ghost, self._live)).add_class(at("drawing"))
+        pads = [self._pad.widget.add_class(at("drawing")), self._marking.pad.add_class(at("picture"))]
+        pad_bars = Box([tools, self._marking.bar.add_class(at("picture")), edits, more])
+        left = VBox([pad_bars, *pads]).add_class("sketchwidget-panel")
+        head_bars = [toolbar.bar(tuple(views)).add_class("sketchwidget-views"), self._refining.bar]
+        head_bars += [tab.bar.add_class(at(name)) for name, tab in self._tabs.items()]
+        right = VBox([Box([*head_bars, self._exaggerating.bar]), self._head.widget, self._refining.chart])
+        right.add_class("sketchwidget-panel")
+        desk = Box([left, right]).add_class("sketchwidget-desk")
+        keyboard = Keyboard(bindings=toolbar.bindings(TOOLS, TABS, REFINING_TOOLS))
+        return [title, desk, self._status, self._files.downloads, keyboard, self._refining.pad]
 
     # -- the session, shown --------------------------------------------------------------------------------------------
 
@@ -122,13 +130,14 @@ class Studio(VBox):
         if isinstance(change["old"], Session):
             change["old"].unobserve(self._on_change)
         self.session.observe(self._on_change)
+        self._open(None)
         self._show_all()
         self._status.say(self._expected)
 
     def _on_change(self, change: dict[str, Any]) -> None:
         # There is one call a trait, but the session sets all of them before it tells of any: the first shows the whole.
         session = self.session
-        state = (session.sketch, self._face, session.frame, session.timings, session.gap)
+        state = (session.sketch, self._drawn, session.frame, session.timings, session.gap)
         state += (session.mode, session.refinement)
         if any(new is not old for new, old in zip(state, self._shown, strict=True)):
             self._shown = state
@@ -141,28 +150,41 @@ class Studio(VBox):
             self._side = "front"
         self._show_head()
         self._show_drawing()
-        self._refining.show()
-        toolbar.set_useful(self._undo, session.can_undo or self._just_loaded)
-        toolbar.set_useful(self._redo, session.can_redo)
+        self._refining.show(hidden=self._tab is not None)
+        toolbar.set_useful(self._undo, self._edited.can_undo or self._files.just_loaded)
+        toolbar.set_useful(self._redo, self._edited.can_redo)
         marked = len(session.handles) or session.refinement.region is not None
-        toolbar.set_useful(self._clear, bool(marked if session.mode == "refine" else len(session.sketch)))
+        there = bool(marked if session.mode == "refine" else len(session.sketch))
+        toolbar.set_useful(self._clear, there if self._tab is None else self._marking.present.picture is not None)
         toolbar.set_useful(self._cancel, session.gap is not None)
-        self._mode.value = session.mode if session.mode in MODES else None
-        self._status.show_figures(session.mode, session.timings)
+        name = session.mode if self._tab is None else self._tab.name
+        self._mode.value = name if name in TABS else None
+        self._exaggerating.show(session.exaggeration if self._tab is None else self._tab.amount)
+        self._status.show_figures(name, session.timings if self._tab is None else self._tab.timings)
 
-    def _show_head(self) -> None:
-        self._head.show(self._face, self.session.frame)
+    def _show_head(self, passing: bool = False) -> None:
+        face = self._face
+        self._head.show(face, self.session.frame if face is self._drawn else standing(face), passing)
+
+    def _show_tab(self, passing: bool) -> None:
+        """Show what has become of a tab's head."""
+        if passing:
+            self._show_head(passing)
+        else:
+            self._show_all()
 
     def _show_drawing(self) -> None:
         session = self.session
         if self._side != "front":
             self._pad.show(Sketch((Segment(SILHOUETTE, session.profile(self._side)),)))
             return
-        ghost = self._face.sketch(wrinkles=False, view=session.frame) if self._ghost.value else None
+        ghost = self._drawn.sketch(wrinkles=False, view=session.frame) if self._ghost.value else None
         self._pad.show(session.sketch, ghost, session.gap, by_piece=session.mode == "followup")
 
     @property
     def _expected(self) -> str:
+        if self._tab is not None:
+            return self._tab.expected
         if self.session.mode == "refine":
             return EXPECTED
         if self._side != "front":
@@ -171,6 +193,16 @@ class Studio(VBox):
 
     @property
     def _face(self) -> Face:
+        """The head on show: the tab's own, if it has one."""
+        return self._drawn if self._tab is None or self._tab.face is None else self._tab.face
+
+    @property
+    def _edited(self) -> Session | Marking:
+        """What is undone and cleared."""
+        return self.session if self._tab is None else self._marking
+
+    @property
+    def _drawn(self) -> Face:
         return self.session.face if self.session.trait_has_value("face") else self._resting_face
 
     def _wake(self) -> None:
@@ -215,23 +247,20 @@ class Studio(VBox):
 
     def _on_undo(self) -> None:
         with self._status.reporting("Nothing could be undone"):
-            if self._just_loaded and self._loaded is not None:
-                self.session = self._loaded[0]
-                self._status.say("The drawing from before the loading is back.")
-            else:
-                happened = "Undone." if self.session.undo() else "Nothing to undo."
+            if self._tab is not None or not self._files.undo_loading():
+                happened = "Undone." if self._edited.undo() else "Nothing to undo."
                 self._status.say(happened, self._expected)
 
     def _on_redo(self) -> None:
         with self._status.reporting("Nothing could be redone"):
-            happened = "Redone." if self.session.redo() else "Nothing to redo."
+            happened = "Redone." if self._edited.redo() else "Nothing to redo."
             self._status.say(happened, self._expected)
 
     def _on_clear(self) -> None:
         with self._status.reporting("The drawing could not be cleared"):
-            self.session.clear()
-            what = "marks" if self.session.mode == "refine" else "drawing"
-            self._status.say(f"Cleared; undo brings the {what} back.", self._expected)
+            self._edited.clear()
+            marks = self._tab is not None or self.session.mode == "refine"
+            self._status.say(f"Cleared; undo brings the {'marks' if marks else 'drawing'} back.", self._expected)
 
     def _on_cancel(self) -> None:
         with self._status.reporting("What was erased could not be put back"):
@@ -240,54 +269,63 @@ class Studio(VBox):
 
     def _on_template(self) -> None:
         with self._status.reporting("The template could not be drawn"):
+            self._open(None)
             self.session.start_from_template()
             self._status.say("These are the lines of the template; undo brings the drawing back.", self._expected)
 
     def _on_mode(self, change: dict[str, Any]) -> None:
-        mode = change["new"]
-        if mode in (None, self.session.mode):
+        name = change["new"]
+        if name in (None, self.session.mode if self._tab is None else self._tab.name):
             return
         with self._status.reporting("The mode could not be changed"):
-            self.session.mode = mode
+            self._open(self._tabs.get(name))
+            if self._tab is None:
+                self.session.mode = name
             self._status.say(self._expected)
-        self._mode.value = self.session.mode
+        self._show_all()
+
+    def _open(self, tab: Caricaturing | None) -> None:
+        """Show a tab, or with None the one of the session's mode."""
+        if self._tab is not None:
+            self._tab.leave()
+        self._tab, name = tab, None if tab is None else tab.name
+        shown = {"drawing": tab is None, "picture": tab is not None, **{other: other == name for other in self._tabs}}
+        for place, on in shown.items():
+            (self.add_class if on else self.remove_class)(f"sketchwidget-at-{place}")
+        if tab is not None:
+            tab.enter()
+
+    def _take_over(self, face: Face) -> None:
+        with self._status.reporting("The head could not be taken over"):
+            self.session.take_over(face)
+            self._open(None)
+            self._head.look("front")
+            self._show_all()
+            self._status.say("The head is taken over; undo brings the drawing back.", self._expected)
+
+    def _on_exaggerate(self, amount: float) -> None:
+        with self._status.reporting("The head could not be exaggerated"):
+            if self._tab is not None:
+                self._tab.exaggerate(amount)
+                return
+            if self._drawn is self._resting_face or not len(self.session.sketch):
+                self._status.say("The mean face has nothing to exaggerate: draw first.")
+            else:
+                self.session.exaggerate(amount)
+                self._status.say(f"Exaggerated {amount:.2f} times; undo brings the head back.", self._expected)
+        self._exaggerating.show(self.session.exaggeration)
+
+    def _set_session(self, session: Session) -> None:
+        self.session = session
 
     def _on_view(self, name: str) -> None:
         self._head.look(name)
-        side = name if name in ("left", "right") and self.session.mode == "followup" else "front"
+        sides = self._tab is None and self.session.mode == "followup"
+        side = name if sides and name in ("left", "right") else "front"
         if side != self._side and self.session.gap is None:
             self._side = side
             self._show_drawing()
             self._status.say(self._expected)
-
-    def _on_export(self, suffix: str) -> None:
-        with self._status.reporting("The head could not be exported"):
-            self._downloads.save(f"head.{suffix}", self._face.to_bytes(suffix), EXPORTS[suffix])
-            self._status.say(f"The head is exported as head.{suffix}.")
-
-    def _on_save(self) -> None:
-        with self._status.reporting("The session could not be saved"):
-            self._downloads.save(SESSION_NAME, self.session.dumps().encode(), SESSION_TYPE)
-            self._status.say(f"The session is saved as {SESSION_NAME}; load it to go on from here.")
-
-    def _on_load(self, change: dict[str, Any]) -> None:
-        if not change["new"]:
-            return
-        file = change["new"][0]
-        change["owner"].value = ()  # so that the same file can be picked again
-        with self._status.reporting(f"{file.name} was not loaded, the drawing is kept"):
-            loaded = self.session.another(bytes(file.content).decode())
-            self._loaded = (self.session, loaded, len(loaded.events))
-            self.session = loaded
-            self._status.say(f"{file.name} is loaded; undo brings the former drawing back.")
-
-    @property
-    def _just_loaded(self) -> bool:
-        """Whether the session on show is as it was loaded from a file, so that undo undoes the loading."""
-        if self._loaded is None:
-            return False
-        _, loaded, events = self._loaded
-        return self.session is loaded and len(loaded.events) == events
 
 
 def _wake(session: Session) -> None:
@@ -296,6 +334,6 @@ def _wake(session: Session) -> None:
         session.prepare()
 
 
-def _classed(widget: Any, name: str) -> Any:
-    widget.add_class(name)
-    return widget
+def at(place: str) -> str:
+    """The class of what is on show at a place only: "drawing", "picture", or a tab of its own."""
+    return f"sketchwidget-in-{place}"

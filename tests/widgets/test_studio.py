@@ -108,7 +108,9 @@ def test_a_stroke_that_is_none_is_refused(shown):
 
 
 def load(shown, name, content):
-    shown._on_load({"new": (SimpleNamespace(name=name, content=memoryview(content)),), "owner": SimpleNamespace()})
+    shown._files._on_load(
+        {"new": (SimpleNamespace(name=name, content=memoryview(content)),), "owner": SimpleNamespace()}
+    )
 
 
 def test_loading_replaces_the_session_and_can_be_undone(shown):
