@@ -102,9 +102,10 @@ async function render({ model, el }) {
       height: `${(100 * height) / side}%`,
       visibility: width ? "" : "hidden",
     });
-    marks.setAttribute("viewBox", part.join(" "));
+    marks.setAttribute("viewBox", [...part, side].join(" "));
     words.textContent = model.get("invitation");
     words.hidden = width > 0;
+    pad.classList.toggle("sketchwidget-blank", !width);
     for (const dot of dots.children) dot.setAttribute("r", RADIUS * side);
   }
 

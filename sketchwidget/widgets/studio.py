@@ -117,8 +117,8 @@ class Studio(VBox):
         left = VBox([pad_bars, *pads]).add_class("sketchwidget-panel")
         head_bars = [toolbar.bar(tuple(views)).add_class("sketchwidget-views"), self._refining.bar]
         head_bars += [tab.bar.add_class(at(name)) for name, tab in self._tabs.items()]
-        right = VBox([Box([*head_bars, self._exaggerating.bar]), self._head.widget, self._refining.chart])
-        right.add_class("sketchwidget-panel")
+        below = [self._exaggerating.bar, self._refining.chart]
+        right = VBox([Box(head_bars), self._head.widget, *below]).add_class("sketchwidget-panel")
         desk = Box([left, right]).add_class("sketchwidget-desk")
         keyboard = Keyboard(bindings=toolbar.bindings(TOOLS, TABS, REFINING_TOOLS))
         return [title, desk, self._status, self._files.downloads, keyboard, self._refining.pad]

@@ -1,0 +1,218 @@
+"""The Caricature tab, as a user meets it; the picture is one of a head of our own."""
+
+from __future__ import annotations
+
+import io
+import os
+
+import numpy as np
+import pytest
+from PIL import Image
+from studio_page import OVAL, StudioPage, settled, until
+
+import sketchwidget as sw
+
+SIZE = 480
+NOSE_TIP, UNDER_NOSE, CHIN = 30, 33, 8
+SCREENSHOTS = os.environ.get("SKETCHWIDGET_SCREENSHOTS")  # a folder for pictures of what the tests saw
+
+
+@pytest.fixture(scope="module")
+def model() -> sw.FaceModel:
+    return sw.FaceModel.load()
+
+
+@pytest.fixture(scope="module")
+def view() -> sw.View:
+    return sw.View(sw.View.preset("front").rotation, 1 / 280, np.array([0.5, 0.5]))
+
+
+@pytest.fixture(scope="module")
+def drawn(model: sw.FaceModel, view: sw.View) -> tuple[bytes, np.ndarray]:
+    """A picture of a head as a file, and its landmarks (68, 2) in pixels."""
+    face = model.face(model.bilinear.identities[4 * 33])
+    file = io.BytesIO()
+    Image.fromarray(face.picture(view, SIZE)).save(file, "PNG")
+    return file.getvalue(), SIZE * view.project(face.landmarks)
+
+
+@pytest.fixture(scope="module")
+def page(open_studio) -> StudioPage:
+    return open_studio("lab")
+
+
+@pytest.fixture
+def tab(page: StudioPage) -> StudioPage:
+    page.page.bring_to_front()
+    page.head.hover()
+    page.page.keyboard.press("c")
+    picture(page).wait_for()
+    return page
+
+
+def keep_picture(studio: StudioPage, name: str) -> None:
+    if SCREENSHOTS:
+        studio.root.screenshot(path=f"{SCREENSHOTS}/caricature-{name}.png")
+
+
+def picture(studio: StudioPage):
+    return studio.root.locator(".sketchwidget-picture")
+
+
+def upload(studio: StudioPage, name: str, data: bytes) -> None:
+    with studio.page.expect_file_chooser() as chooser:
+        studio.click("picture")
+    chooser.value.set_files({"name": name, "mimeType": "image/png", "buffer": data})
+
+
+def on_screen(studio: StudioPage, pixel: np.ndarray) -> tuple[float, float]:
+    """Where a pixel of the picture is on the page."""
+    box = picture(studio).bounding_box()
+    assert box is not None
+    left, top, side, _ = map(float, picture(studio).locator("svg").get_attribute("viewBox").split())
+    x, y = map(float, pixel)
+    return box["x"] + (x - left) / side * box["width"], box["y"] + (y - top) / side * box["height"]
+
+
+def marked(studio: StudioPage) -> np.ndarray:
+    """Where the marks are, in pixels of the picture."""
+    places = studio.root.locator(".sketchwidget-points").evaluate(
+        "group => [...group.children].map(dot => [+dot.getAttribute('cx'), +dot.getAttribute('cy')])"
+    )
+    return np.array(places).reshape(-1, 2)
+
+
+def nose_length(studio: StudioPage, model: sw.FaceModel) -> float:
+    """Millimetres from between the eyes to under the nose."""
+    landmarks = studio.positions()[model.landmarks]
+    return float(landmarks[27, 1] - landmarks[UNDER_NOSE, 1])
+
+
+def begin(studio: StudioPage, drawn: tuple[bytes, np.ndarray]) -> None:
+    """Open the picture and click the three points."""
+    data, landmarks = drawn
+    upload(studio, "someone.png", data)
+    until(lambda: studio.message, lambda said: said.startswith("someone.png is open"), "the word of the picture")
+    for count, number in enumerate((36, 45, CHIN), start=1):
+        studio.page.mouse.click(*on_screen(studio, landmarks[number]))
+        until(lambda: len(marked(studio)), lambda marks, count=count: marks >= count, "the mark of the click")
+    until(lambda: len(marked(studio)), lambda marks: marks == 68, "the landmarks")
+    until(lambda: studio.message, lambda said: said.startswith("The head meets"), "the fit")
+
+
+def test_dragging_the_nose_down_lengthens_the_nose_of_the_head(tab, drawn, model) -> None:
+    keep_picture(tab, "empty")
+    begin(tab, drawn)
+    keep_picture(tab, "begun")
+    before, serial = nose_length(tab, model), tab.serial
+    start = marked(tab)
+    for number in (NOSE_TIP, UNDER_NOSE):
+        tab.page.mouse.move(*on_screen(tab, start[number]))
+        tab.page.mouse.down()
+        for step in range(1, 9):
+            tab.page.mouse.move(*on_screen(tab, start[number] + [0, 5 * step]))
+        if number == UNDER_NOSE:
+            assert marked(tab)[number, 1] - start[number, 1] == pytest.approx(40, abs=2)  # under the pointer at once
+            tab.wait_for_frame(serial)
+        tab.page.mouse.up()
+    until(lambda: nose_length(tab, model), lambda length: length > before + 5, "a longer nose")
+    until(lambda: tab.message, lambda said: said.startswith("The head meets"), "the fit")
+    keep_picture(tab, "nose")
+
+
+def test_the_slider_exaggerates_beyond_the_picture_and_the_head_is_taken_over(tab, drawn, model) -> None:
+    begin(tab, drawn)
+    fitted, serial = tab.positions(), tab.serial
+    slide(tab, 12)
+    tab.wait_for_frame(serial)
+    until(
+        lambda: np.linalg.norm(tab.positions() - model.mean, axis=1).mean(),
+        lambda away: away > 1.2 * np.linalg.norm(fitted - model.mean, axis=1).mean(),
+        "an exaggerated head",
+    )
+    keep_picture(tab, "exaggerated")
+    taken = tab.positions()
+    tab.click("take")
+    until(lambda: tab.is_on("followup"), what="the tab of follow-up sketching")
+    until(lambda: tab.message, lambda said: said.startswith("The head is taken over"), "the word of the tab")
+    until(tab.ink_pixels, what="its lines")
+    np.testing.assert_allclose(tab.positions(), taken, atol=0.01)
+    keep_picture(tab, "taken")
+
+    # Its lines are edited: a brow is raised, and the rest stays.
+    brow = model.curves["left_brow"]
+    scale = 1 / (tab.camera()["right"] - tab.camera()["left"])
+    standing = sw.View(np.eye(3), scale, np.array([-tab.camera()["left"], tab.camera()["top"]]) * scale)
+    line = standing.project(taken[brow])
+    half = line[: len(line) // 2]
+    tab.press("e")
+    tab.draw(half[len(half) // 2 :][:1].tolist())
+    until(lambda: tab.message, lambda said: said.startswith("Erased."), "the word of the eraser")
+    tab.press("p")
+    tab.draw((half - np.array([0, 0.03])).tolist())
+    until(lambda: tab.message, lambda said: "brow is drawn anew" in said, "the word of the stroke")
+    until(lambda: (tab.positions() - taken)[brow, 1].max(), lambda rise: rise > 4, "a higher brow")
+    low = taken[:, 1] < taken[model.landmarks[CHIN], 1] + 20
+    assert np.linalg.norm(tab.positions() - taken, axis=1)[low].max() < 3
+    keep_picture(tab, "edited")
+
+
+def slide(studio: StudioPage, steps: int) -> None:
+    """Move the slider of exaggeration by its keys."""
+    studio.root.locator(".sketchwidget-exaggeration .noUi-handle").focus()
+    for _ in range(abs(steps)):
+        studio.page.keyboard.press("ArrowRight" if steps > 0 else "ArrowLeft")
+
+
+def test_any_head_is_exaggerated_and_all_moves_of_the_slider_are_one_step(page, model) -> None:
+    studio = page
+    studio.page.bring_to_front()
+    studio.head.hover()
+    studio.page.keyboard.press("i")
+    until(lambda: studio.is_on("initial"), what="the tab of initial sketching")
+    studio.start_afresh()
+    serial = studio.serial
+    studio.draw(OVAL)
+    studio.draw([(0.4, 0.45), (0.45, 0.43), (0.5, 0.45)])
+    until(lambda: studio.message, lambda said: said.startswith("Stroke drawn."), "the word of the stroke")
+    studio.wait_for_frame(serial)
+    ink, before = settled(studio.ink_pixels), studio.positions()
+    slide(studio, 10)
+    until(lambda: studio.message, lambda said: said.startswith("Exaggerated 1.50 times"), "the word of the slider")
+    away = [np.linalg.norm(mesh - model.mean, axis=1).mean() for mesh in (before, studio.positions())]
+    assert away[1] > 1.2 * away[0]
+    keep_picture(studio, "any-head")
+    studio.press("Control+z")
+    until(lambda: np.allclose(studio.positions(), before, atol=1e-3), what="the head of before")
+    until(studio.ink_pixels, lambda pixels: abs(pixels - ink) < 0.02 * ink, "the drawing of before")
+
+
+def test_bad_files_are_a_sentence_and_lose_nothing(tab, drawn) -> None:
+    begin(tab, drawn)
+    before = marked(tab)
+    for name, data, reason in (
+        ("letter.png", b"Dear reader", "is no picture"),
+        ("cut.png", drawn[0][:400], "damaged"),
+        ("dot.png", _png(np.zeros((8, 8, 3), dtype=np.uint8)), "8 x 8 pixels"),
+    ):
+        upload(tab, name, data)
+        said = until(lambda: tab.message, lambda said, name=name: said.startswith(name), "the refusal")
+        assert "was not opened, all is as it was" in said and reason in said
+        np.testing.assert_array_equal(marked(tab), before)
+
+
+def test_landmarks_that_are_no_face_are_told(tab, drawn) -> None:
+    data, landmarks = drawn
+    upload(tab, "someone.png", data)
+    until(lambda: tab.message, lambda said: said.startswith("someone.png is open"), "the word of the picture")
+    for number in (36, 45, 27):
+        tab.page.mouse.click(*on_screen(tab, landmarks[number]))
+        until(lambda: tab.message, lambda said: "Click" in said or "No face" in said)
+    until(lambda: tab.message, lambda said: said.startswith("No face can be there"), "the refusal")
+    assert len(marked(tab)) == 2
+
+
+def _png(pixels: np.ndarray) -> bytes:
+    file = io.BytesIO()
+    Image.fromarray(pixels).save(file, "PNG")
+    return file.getvalue()
