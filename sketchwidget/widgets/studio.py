@@ -113,12 +113,12 @@ class Studio(VBox):
         edits = toolbar.bar((self._undo, self._redo, self._clear))
         more = toolbar.bar((self._cancel,), (self._mirror, self._ghost, self._live)).add_class(at("drawing"))
         pads = [self._pad.widget.add_class(at("drawing")), self._marking.pad.add_class(at("picture"))]
-        pad_bars = Box([tools, self._marking.bar.add_class(at("picture")), edits, more])
+        pad_bars = _row(tools, self._marking.bar.add_class(at("picture")), edits, more)
         left = VBox([pad_bars, *pads]).add_class("sketchwidget-panel")
         head_bars = [toolbar.bar(tuple(views)).add_class("sketchwidget-views"), self._refining.bar]
         head_bars += [tab.bar.add_class(at(name)) for name, tab in self._tabs.items()]
         below = [self._exaggerating.bar, self._refining.chart]
-        right = VBox([Box(head_bars), self._head.widget, *below]).add_class("sketchwidget-panel")
+        right = VBox([_row(*head_bars), self._head.widget, *below]).add_class("sketchwidget-panel")
         desk = Box([left, right]).add_class("sketchwidget-desk")
         keyboard = Keyboard(bindings=toolbar.bindings(TOOLS, TABS, REFINING_TOOLS))
         return [title, desk, self._status, self._files.downloads, keyboard, self._refining.pad]
@@ -271,6 +271,7 @@ class Studio(VBox):
         with self._status.reporting("The template could not be drawn"):
             self._open(None)
             self.session.start_from_template()
+            self._show_all()
             self._status.say("These are the lines of the template; undo brings the drawing back.", self._expected)
 
     def _on_mode(self, change: dict[str, Any]) -> None:
@@ -288,6 +289,7 @@ class Studio(VBox):
         """Show a tab, or with None the one of the session's mode."""
         if self._tab is not None:
             self._tab.leave()
+            self._head.look("front")
         self._tab, name = tab, None if tab is None else tab.name
         shown = {"drawing": tab is None, "picture": tab is not None, **{other: other == name for other in self._tabs}}
         for place, on in shown.items():
@@ -299,7 +301,6 @@ class Studio(VBox):
         with self._status.reporting("The head could not be taken over"):
             self.session.take_over(face)
             self._open(None)
-            self._head.look("front")
             self._show_all()
             self._status.say("The head is taken over; undo brings the drawing back.", self._expected)
 
@@ -332,6 +333,10 @@ def _wake(session: Session) -> None:
     # What fails here fails again, and is told, when it is needed.
     with suppress(Exception):
         session.prepare()
+
+
+def _row(*bars: Any) -> Box:
+    return Box(bars).add_class("sketchwidget-bars")
 
 
 def at(place: str) -> str:
