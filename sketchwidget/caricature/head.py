@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from functools import cached_property
 
 import igl
@@ -10,9 +11,12 @@ from scipy import sparse
 from scipy.linalg import qr
 from scipy.sparse.csgraph import connected_components
 from scipy.sparse.linalg import SuperLU, splu
+from scipy.spatial import KDTree
 
 from ..face.exaggeration import LEVELS
+from ..face.handles import attached_parts
 from ..face.model import FaceModel
+from ..face.template import PARTS
 from ..geometry.alignment import similarity
 from ..geometry.deformation_representation import DeformationRepresentation
 from ..geometry.deformation_space import DeformationSpace
@@ -75,9 +79,13 @@ class DeformableHead:
         start = self.rest if start is None else start
         coarse = start.copy()
         coarse[self.skin] = skin
-        for part, attached in self._attached:
-            scale, rotation, offset = similarity(start[attached], coarse[attached])
-            coarse[part] = scale * start[part] @ rotation.T + offset
+        for part in self._attached:
+            scale, rotation, offset = similarity(start[part.skin], coarse[part.skin])
+            moved = scale * start[part.vertices] @ rotation.T + offset
+            if not part.is_eye:
+                expected = scale * start[part.beside] @ rotation.T + offset
+                moved = _narrowed(moved, expected, coarse[part.beside], rotation[:, 0])
+            coarse[part.vertices] = moved
         return np.asarray(self._refine @ coarse, dtype=np.float32)
 
     def _mesh(self, identity: np.ndarray, expression: np.ndarray) -> np.ndarray:
@@ -115,12 +123,16 @@ class DeformableHead:
         ]
 
     @cached_property
-    def _attached(self) -> list[tuple[np.ndarray, np.ndarray]]:
-        """Coarse vertices of each loose piece, and those of the skin that move in the examples as it does."""
-        edges = igl.adjacency_matrix(self.model.template.coarse_faces.astype(np.int64))
-        piece = connected_components(edges, directed=False)[1]
-        parts = [np.flatnonzero(piece == number) for number in set(piece) - {piece[self.skin[0]]}]
-        return [(part, self.skin[self._strays(part).argsort()[:_ATTACHED]]) for part in parts]
+    def _attached(self) -> list[_Part]:
+        """Eyes, teeth and tongue; their coarse vertices come first in the fine mesh."""
+        template, parts = self.model.template, []
+        outside = self.skin[template.parts[self.skin] == PARTS.index("skin")]
+        nearest = KDTree(self.rest[outside])
+        for part in attached_parts(template, self._refine @ self.rest):
+            vertices = part.vertices[part.vertices < template.coarse_count]
+            skin = self.skin[self._strays(vertices).argsort()[:_ATTACHED]]
+            parts.append(_Part(vertices, skin, outside[nearest.query(self.rest[vertices])[1]], part.is_eye))
+        return parts
 
     def _strays(self, part: np.ndarray) -> np.ndarray:
         """How far (n,) each vertex of the skin strays in the examples from moving as a piece does, squared."""
@@ -130,6 +142,25 @@ class DeformableHead:
             moved = scale * self.rest[self.skin] @ rotation.T + offset
             strays += ((moved - example[self.skin]) ** 2).sum(axis=1)
         return strays
+
+
+@dataclass(frozen=True, eq=False)
+class _Part:
+    """A loose piece, by coarse vertices: its own (p,), those of the skin (k,) that move in the examples as it does, and
+    the outer skin (p,) nearest to it."""
+
+    vertices: np.ndarray
+    skin: np.ndarray
+    beside: np.ndarray
+    is_eye: bool
+
+
+def _narrowed(points: np.ndarray, expected: np.ndarray, found: np.ndarray, across: np.ndarray) -> np.ndarray:
+    """Points (p, 3) as much narrower in a direction (3,) as what is beside them (p, 3) was found than was expected."""
+    middle = expected.mean(axis=0)
+    wide, narrow = (expected - middle) @ across, (found - found.mean(axis=0)) @ across
+    share = min(1.0, float(wide @ narrow / (wide @ wide)))
+    return points + (share - 1) * ((points - middle) @ across)[:, None] * across
 
 
 def _largest_piece(vertices: np.ndarray, faces: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -2,7 +2,9 @@ import numpy as np
 import pytest
 
 from sketchwidget.face import PARTS
+from sketchwidget.geometry import View
 from sketchwidget.geometry.deformation_space import DeformationSpace
+from sketchwidget.geometry.visibility import visible_vertices
 
 
 def test_the_skin_at_rest_is_the_mean_face(head, model):
@@ -70,3 +72,14 @@ def test_eyes_teeth_and_tongue_come_with_a_laughing_person(head, model):
         vertices = model.template.fine_parts == PARTS.index(part)
         error = np.linalg.norm(followed - face.vertices, axis=1)[vertices].mean()
         assert error < most, part
+
+
+def test_teeth_stay_behind_cheeks_that_get_narrower(head, model):
+    """A head narrowed below the eyes, as gaunt caricatures are: no tooth is seen from the side."""
+    skin = head.rest[head.skin].copy()
+    skin[:, 0] *= np.interp(skin[:, 1], [-60, 10], [0.6, 1.0])
+    gaunt = head.vertices(skin)
+    teeth = np.flatnonzero(model.template.fine_parts == PARTS.index("teeth"))
+    for side in ("left", "right", "three-quarter"):
+        rotation = View.preset(side).rotation
+        assert not visible_vertices(gaunt, model.faces, rotation, teeth).any(), side
