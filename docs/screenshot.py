@@ -1,4 +1,4 @@
-"""The README's picture of the Studio, taken in a real browser: a laughing face, drawn with the mouse.
+"""The README's pictures of the Studio, taken in a real browser: a laughing face, drawn with the mouse; a caricature.
 
 python docs/screenshot.py
 """
@@ -17,25 +17,49 @@ FOLDER = Path(__file__).parent
 sys.path.insert(0, str(FOLDER.parent / "tests" / "browser"))
 
 from jupyter_page import launch_chromium, open_in_lab, serve, write_notebook  # noqa: E402
-from studio_page import StudioPage  # noqa: E402
+from studio_page import StudioPage, until  # noqa: E402
 
 DRAWING = FOLDER / "freehand" / "08_laughing.json"
+# Its picture is one of a head of our own, and its landmarks are known.
+CARICATURE = """
+import numpy as np
+import sketchwidget as sw
+from sketchwidget.caricature import Camera
+from sketchwidget.geometry import rotation_about_y
+
+model = sw.FaceModel.load()
+head = sw.caricature.exaggerate(model.face(model.bilinear.identities[4 * 33], "smile"), 1.6)
+view = sw.View(rotation_about_y(-14), 1 / 270, np.array([0.5, 0.48]))
+studio = sw.Studio()
+studio.marking.open(head.picture(view, 900))
+studio.marking.place(900 * view.project(head.landmarks))
+studio
+"""
 
 
 def main() -> None:
-    """Write `studio.png` beside this file."""
+    """Write `studio.png` and `caricature_tab.png` beside this file."""
     with tempfile.TemporaryDirectory() as folder, sync_playwright() as playwright:
-        notebook = write_notebook(Path(folder), "studio", "import sketchwidget as sw\nsw.Studio()")
         browser = launch_chromium(playwright)
         with serve("lab", Path(folder)) as address:
-            page = browser.new_page(viewport={"width": 1280, "height": 900}, device_scale_factor=1.5)
-            open_in_lab(page, address, notebook)
-            studio = StudioPage(page).wait_until_shown()
+
+            def opened(name: str, code: str) -> StudioPage:
+                page = browser.new_page(viewport={"width": 1280, "height": 900}, device_scale_factor=1.5)
+                open_in_lab(page, address, write_notebook(Path(folder), name, code))
+                return StudioPage(page).wait_until_shown()
+
+            studio = opened("studio", "import sketchwidget as sw\nsw.Studio()")
             for segment in sw.Sketch.load(DRAWING).segments:
                 before = studio.serial
                 studio.draw(segment.points.tolist())
                 studio.wait_for_frame(before)
-            page.locator(".sketchwidget-studio").screenshot(path=FOLDER / "studio.png")
+            studio.root.screenshot(path=FOLDER / "studio.png")
+
+            studio = opened("caricature", CARICATURE)
+            studio.press("c")
+            until(lambda: studio.message, lambda said: said.startswith("The head meets"), "the fit")
+            until(studio.turning, lambda turning: not turning)
+            studio.root.screenshot(path=FOLDER / "caricature_tab.png")
         browser.close()
 
 

@@ -45,6 +45,8 @@ class Studio(VBox):
     ----------
     session : Session
         The session on show.
+    marking : Marking
+        The picture of the tabs that begin with one; scripts may open it, and place its landmarks.
     """
 
     session = traitlets.Instance(Session)
@@ -85,10 +87,10 @@ class Studio(VBox):
         self._files = Files(lambda: self.session, self._set_session, lambda: self._face, self._status)
         self._refining = Refining(lambda: self.session, self._head, self._status)
         self._exaggerating = Exaggerating(self._on_exaggerate)
-        self._marking = Marking(self._status)
+        self.marking = Marking(self._status)
         self._tabs = {
             "caricature": Caricaturing(
-                self._marking, self._head, self._status, lambda: self._drawn.model, self._show_tab, self._take_over
+                self.marking, self._head, self._status, lambda: self._drawn.model, self._show_tab, self._take_over
             )
         }
 
@@ -112,8 +114,8 @@ class Studio(VBox):
         tools = toolbar.bar((self._tools,)).add_class(at("drawing"))
         edits = toolbar.bar((self._undo, self._redo, self._clear))
         more = toolbar.bar((self._cancel,), (self._mirror, self._ghost, self._live)).add_class(at("drawing"))
-        pads = [self._pad.widget.add_class(at("drawing")), self._marking.pad.add_class(at("picture"))]
-        pad_bars = _row(tools, self._marking.bar.add_class(at("picture")), edits, more)
+        pads = [self._pad.widget.add_class(at("drawing")), self.marking.pad.add_class(at("picture"))]
+        pad_bars = _row(tools, self.marking.bar.add_class(at("picture")), edits, more)
         left = VBox([pad_bars, *pads]).add_class("sketchwidget-panel")
         head_bars = [toolbar.bar(tuple(views)).add_class("sketchwidget-views"), self._refining.bar]
         head_bars += [tab.bar.add_class(at(name)) for name, tab in self._tabs.items()]
@@ -155,7 +157,7 @@ class Studio(VBox):
         toolbar.set_useful(self._redo, self._edited.can_redo)
         marked = len(session.handles) or session.refinement.region is not None
         there = bool(marked if session.mode == "refine" else len(session.sketch))
-        toolbar.set_useful(self._clear, there if self._tab is None else self._marking.present.picture is not None)
+        toolbar.set_useful(self._clear, there if self._tab is None else self.marking.present.picture is not None)
         toolbar.set_useful(self._cancel, session.gap is not None)
         name = session.mode if self._tab is None else self._tab.name
         self._mode.value = name if name in TABS else None
@@ -199,7 +201,7 @@ class Studio(VBox):
     @property
     def _edited(self) -> Session | Marking:
         """What is undone and cleared."""
-        return self.session if self._tab is None else self._marking
+        return self.session if self._tab is None else self.marking
 
     @property
     def _drawn(self) -> Face:

@@ -51,6 +51,7 @@ class StudioPage:
         self.page = page
         self.root = page.locator(".sketchwidget-studio").nth(number)
         self.pad = self.root.locator(".sketchwidget-pad")
+        self.picture = self.root.locator(".sketchwidget-picture")
         self.head = self.root.locator(".sketchwidget-head")
         self.errors: list[str] = []
 
@@ -90,6 +91,21 @@ class StudioPage:
         for point in others:
             self.page.mouse.move(*point)
         self.page.mouse.up(button=button)
+
+    def open_picture(self, name: str, data: bytes) -> None:
+        """Open a picture of a face in the tab that is on show."""
+        with self.page.expect_file_chooser() as chooser:
+            self.click("picture")
+        chooser.value.set_files({"name": name, "mimeType": "image/png", "buffer": data})
+
+    def on_picture(self, pixel: Iterable[float]) -> tuple[float, float]:
+        """A pixel of the picture in the page's coordinates."""
+        box = self.picture.bounding_box()
+        view = self.picture.locator("svg").get_attribute("viewBox")
+        assert box is not None and view is not None
+        left, top, side, _ = map(float, view.split())
+        x, y = map(float, pixel)
+        return box["x"] + (x - left) / side * box["width"], box["y"] + (y - top) / side * box["height"]
 
     def press(self, keys: str) -> None:
         """Press keys with the pointer over the pad."""
@@ -187,6 +203,13 @@ class StudioPage:
             }"""
         )
         return np.frombuffer(base64.b64decode(data), dtype=np.uint8).reshape(size, size, 4)
+
+    def marks(self) -> np.ndarray:
+        """What is marked on the picture (n, 2), in its pixels."""
+        places = self.picture.locator(".sketchwidget-points").evaluate(
+            "group => [...group.children].map(dot => [+dot.getAttribute('cx'), +dot.getAttribute('cy')])"
+        )
+        return np.array(places).reshape(-1, 2)
 
     def ink_pixels(self) -> int:
         """How many pixels of the pad hold ink."""

@@ -46,40 +46,13 @@ def tab(page: StudioPage) -> StudioPage:
     page.page.bring_to_front()
     page.head.hover()
     page.page.keyboard.press("c")
-    picture(page).wait_for()
+    page.picture.wait_for()
     return page
 
 
 def keep_picture(studio: StudioPage, name: str) -> None:
     if SCREENSHOTS:
         studio.root.screenshot(path=f"{SCREENSHOTS}/caricature-{name}.png")
-
-
-def picture(studio: StudioPage):
-    return studio.root.locator(".sketchwidget-picture")
-
-
-def upload(studio: StudioPage, name: str, data: bytes) -> None:
-    with studio.page.expect_file_chooser() as chooser:
-        studio.click("picture")
-    chooser.value.set_files({"name": name, "mimeType": "image/png", "buffer": data})
-
-
-def on_screen(studio: StudioPage, pixel: np.ndarray) -> tuple[float, float]:
-    """Where a pixel of the picture is on the page."""
-    box = picture(studio).bounding_box()
-    assert box is not None
-    left, top, side, _ = map(float, picture(studio).locator("svg").get_attribute("viewBox").split())
-    x, y = map(float, pixel)
-    return box["x"] + (x - left) / side * box["width"], box["y"] + (y - top) / side * box["height"]
-
-
-def marked(studio: StudioPage) -> np.ndarray:
-    """Where the marks are, in pixels of the picture."""
-    places = studio.root.locator(".sketchwidget-points").evaluate(
-        "group => [...group.children].map(dot => [+dot.getAttribute('cx'), +dot.getAttribute('cy')])"
-    )
-    return np.array(places).reshape(-1, 2)
 
 
 def nose_length(studio: StudioPage, model: sw.FaceModel) -> float:
@@ -91,12 +64,12 @@ def nose_length(studio: StudioPage, model: sw.FaceModel) -> float:
 def begin(studio: StudioPage, drawn: tuple[bytes, np.ndarray]) -> None:
     """Open the picture and click the three points."""
     data, landmarks = drawn
-    upload(studio, "someone.png", data)
+    studio.open_picture("someone.png", data)
     until(lambda: studio.message, lambda said: said.startswith("someone.png is open"), "the word of the picture")
     for count, number in enumerate((36, 45, CHIN), start=1):
-        studio.page.mouse.click(*on_screen(studio, landmarks[number]))
-        until(lambda: len(marked(studio)), lambda marks, count=count: marks >= count, "the mark of the click")
-    until(lambda: len(marked(studio)), lambda marks: marks == 68, "the landmarks")
+        studio.page.mouse.click(*studio.on_picture(landmarks[number]))
+        until(lambda: len(studio.marks()), lambda marks, count=count: marks >= count, "the mark of the click")
+    until(lambda: len(studio.marks()), lambda marks: marks == 68, "the landmarks")
     until(lambda: studio.message, lambda said: said.startswith("The head meets"), "the fit")
 
 
@@ -105,14 +78,14 @@ def test_dragging_the_nose_down_lengthens_the_nose_of_the_head(tab, drawn, model
     begin(tab, drawn)
     keep_picture(tab, "begun")
     before, serial = nose_length(tab, model), tab.serial
-    start = marked(tab)
+    start = tab.marks()
     for number in (NOSE_TIP, UNDER_NOSE):
-        tab.page.mouse.move(*on_screen(tab, start[number]))
+        tab.page.mouse.move(*tab.on_picture(start[number]))
         tab.page.mouse.down()
         for step in range(1, 9):
-            tab.page.mouse.move(*on_screen(tab, start[number] + [0, 5 * step]))
+            tab.page.mouse.move(*tab.on_picture(start[number] + [0, 5 * step]))
         if number == UNDER_NOSE:
-            assert marked(tab)[number, 1] - start[number, 1] == pytest.approx(40, abs=2)  # under the pointer at once
+            assert tab.marks()[number, 1] - start[number, 1] == pytest.approx(40, abs=2)  # under the pointer at once
             tab.wait_for_frame(serial)
         tab.page.mouse.up()
     until(lambda: nose_length(tab, model), lambda length: length > before + 5, "a longer nose")
@@ -189,27 +162,27 @@ def test_any_head_is_exaggerated_and_all_moves_of_the_slider_are_one_step(page, 
 
 def test_bad_files_are_a_sentence_and_lose_nothing(tab, drawn) -> None:
     begin(tab, drawn)
-    before = marked(tab)
+    before = tab.marks()
     for name, data, reason in (
         ("letter.png", b"Dear reader", "is no picture"),
         ("cut.png", drawn[0][:400], "damaged"),
         ("dot.png", _png(np.zeros((8, 8, 3), dtype=np.uint8)), "8 x 8 pixels"),
     ):
-        upload(tab, name, data)
+        tab.open_picture(name, data)
         said = until(lambda: tab.message, lambda said, name=name: said.startswith(name), "the refusal")
         assert "was not opened, all is as it was" in said and reason in said
-        np.testing.assert_array_equal(marked(tab), before)
+        np.testing.assert_array_equal(tab.marks(), before)
 
 
 def test_landmarks_that_are_no_face_are_told(tab, drawn) -> None:
     data, landmarks = drawn
-    upload(tab, "someone.png", data)
+    tab.open_picture("someone.png", data)
     until(lambda: tab.message, lambda said: said.startswith("someone.png is open"), "the word of the picture")
     for number in (36, 45, 27):
-        tab.page.mouse.click(*on_screen(tab, landmarks[number]))
+        tab.page.mouse.click(*tab.on_picture(landmarks[number]))
         until(lambda: tab.message, lambda said: "Click" in said or "No face" in said)
     until(lambda: tab.message, lambda said: said.startswith("No face can be there"), "the refusal")
-    assert len(marked(tab)) == 2
+    assert len(tab.marks()) == 2
 
 
 def _png(pixels: np.ndarray) -> bytes:

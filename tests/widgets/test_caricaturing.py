@@ -44,8 +44,8 @@ def studio(session):
 @pytest.fixture
 def tab(studio, landmarks):
     studio._mode.value = "caricature"
-    studio._marking.open(PICTURE, "someone.png")
-    studio._marking.place(landmarks)
+    studio.marking.open(PICTURE, "someone.png")
+    studio.marking.place(landmarks)
     return studio
 
 
@@ -67,11 +67,11 @@ def test_the_tab_shows_the_session_s_head_until_there_are_landmarks(studio):
 def test_the_head_follows_a_dragged_landmark_and_is_fitted_once_it_is_let_go(tab, landmarks, model, sent):
     assert tab._status.message.startswith("The head meets the landmarks")
     before, messages = shown(tab), sent(tab._head.widget)
-    tab._marking._on_move(UNDER, landmarks[UNDER] + [0, 12], False)
+    tab.marking._on_move(UNDER, landmarks[UNDER] + [0, 12], False)
     quick = shown(tab)
     assert messages[-1][0]["passing"] is True
     assert quick.landmarks[UNDER, 1] < before.landmarks[UNDER, 1] - 4
-    tab._marking._on_move(UNDER, landmarks[UNDER] + [0, 12], True)
+    tab.marking._on_move(UNDER, landmarks[UNDER] + [0, 12], True)
     assert messages[-1][0]["passing"] is False and shown(tab) is not quick
     assert shown(tab).landmarks[UNDER, 1] < before.landmarks[UNDER, 1] - 4
     tab._undo.click()
@@ -80,11 +80,11 @@ def test_the_head_follows_a_dragged_landmark_and_is_fitted_once_it_is_let_go(tab
 
 def test_bad_landmarks_are_told_and_the_head_stays(tab, landmarks):
     before = shown(tab)
-    tab._marking.place(landmarks * [-1, 1] + [400, 0])
+    tab.marking.place(landmarks * [-1, 1] + [400, 0])
     assert "the one before is kept: The landmarks are a mirror image" in tab._status.message
     assert shown(tab) is before
     tab._undo.click()
-    assert tab._status.message.startswith("Undone") and np.array_equal(tab._marking.present.landmarks, landmarks)
+    assert tab._status.message.startswith("Undone") and np.array_equal(tab.marking.present.landmarks, landmarks)
 
 
 def test_the_slider_goes_beyond_the_picture(tab):
@@ -115,12 +115,12 @@ def test_a_head_is_taken_over_and_the_tab_keeps_its_own(tab):
 def test_clearing_takes_the_landmarks_then_the_picture(tab):
     drawn = tab.session.face
     tab._clear.click()
-    assert shown(tab) is drawn and tab._marking.present.picture is not None
+    assert shown(tab) is drawn and tab.marking.present.picture is not None
     tab._clear.click()
-    assert tab._marking.present.picture is None
+    assert tab.marking.present.picture is None
     tab._undo.click()
     tab._undo.click()
-    assert tab._marking.present.landmarks is not None and shown(tab) is not drawn
+    assert tab.marking.present.landmarks is not None and shown(tab) is not drawn
 
 
 def test_a_new_session_shows_the_tab_of_its_mode(tab):
