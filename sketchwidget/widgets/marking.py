@@ -16,7 +16,7 @@ from ..portrait.mediapipe import MediaPipeDetector
 from ..portrait.models import missing
 from . import toolbar
 from .picture_pad import PicturePad
-from .status import Status
+from .status import Status, sentence
 from .steps import Steps
 
 ACCEPTED = "image/*,.tif,.tiff,.webp"
@@ -172,10 +172,13 @@ class Marking:
         if self._detector is None and missing():
             return nothing, "What finds landmarks is not here (`sketchwidget models` fetches it)."
         detector = self._detector or MediaPipeDetector()
-        boxes = detector.faces(picture)
-        if not len(boxes):
-            return nothing, "No face was found in it."
-        return detector.landmarks(picture, boxes[0]).points, "A face was found."
+        try:
+            boxes = detector.faces(picture)
+            if not len(boxes):
+                return nothing, "No face was found in it."
+            return detector.landmarks(picture, boxes[0]).points, "A face was found."
+        except ValueError as error:  # a damaged model is no reason to do without the picture
+            return nothing, sentence(error)
 
     # -- what the user does --------------------------------------------------------------------------------------------
 

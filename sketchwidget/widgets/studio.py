@@ -25,6 +25,7 @@ from .pad import Pad
 from .refine_pad import TOOLS as REFINING_TOOLS
 from .refining import EXPECTED, Refining
 from .status import Status, expected_next, said
+from .tab import Tab
 
 TOOLS = ("pen", "eraser")
 MODES = ("initial", "followup", "refine")
@@ -60,7 +61,7 @@ class Studio(VBox):
         self._status = Status()
         self._side = "front"  # the view that the pad shows: in follow-up sketching also the profile's
         self._shown: tuple[Any, ...] = (None,) * 7  # what of the session is on show
-        self._tab: Caricaturing | None = None  # the tab on show, if it is none of a mode of the session
+        self._tab: Tab | None = None  # the tab on show, if it is none of a mode of the session
         super().__init__()
         self.children = self._layout()
         self.add_class("sketchwidget-studio")
@@ -88,7 +89,7 @@ class Studio(VBox):
         self._refining = Refining(lambda: self.session, self._head, self._status)
         self._exaggerating = Exaggerating(self._on_exaggerate)
         self.marking = Marking(self._status)
-        self._tabs = {
+        self._tabs: dict[str, Tab] = {
             "caricature": Caricaturing(
                 self.marking, self._head, self._status, lambda: self._drawn.model, self._show_tab, self._take_over
             )
@@ -153,7 +154,8 @@ class Studio(VBox):
         self._show_head()
         self._show_drawing()
         self._refining.show(hidden=self._tab is not None)
-        toolbar.set_useful(self._undo, self._edited.can_undo or self._files.just_loaded)
+        loaded = self._tab is None and self._files.just_loaded
+        toolbar.set_useful(self._undo, self._edited.can_undo or loaded)
         toolbar.set_useful(self._redo, self._edited.can_redo)
         marked = len(session.handles) or session.refinement.region is not None
         there = bool(marked if session.mode == "refine" else len(session.sketch))
@@ -287,7 +289,7 @@ class Studio(VBox):
             self._status.say(self._expected)
         self._show_all()
 
-    def _open(self, tab: Caricaturing | None) -> None:
+    def _open(self, tab: Tab | None) -> None:
         """Show a tab, or with None the one of the session's mode."""
         if self._tab is not None:
             self._tab.leave()

@@ -9,7 +9,7 @@ import sketchwidget as sw
 from sketchwidget.caricature import Camera
 from sketchwidget.geometry import rotation_about_y
 from sketchwidget.session.take_over import standing
-from sketchwidget.widgets import Studio
+from sketchwidget.widgets import Studio, caricaturing
 
 PICTURE = np.full((400, 400, 3), 128, dtype=np.uint8)
 UNDER = 33  # the nose
@@ -28,6 +28,11 @@ def someone(model):
 @pytest.fixture(scope="module")
 def landmarks(someone):
     return Camera(1.3, rotation_about_y(12), np.array([200.0, 200.0])).project(someone.landmarks.astype(float))
+
+
+@pytest.fixture(autouse=True)
+def few_iterations(monkeypatch):
+    monkeypatch.setattr(caricaturing, "ITERATIONS", 2)
 
 
 @pytest.fixture

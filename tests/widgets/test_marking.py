@@ -86,6 +86,16 @@ def test_without_models_the_status_says_how_to_get_them(monkeypatch):
     assert "`sketchwidget models` fetches it" in made._status.message and "Click one eye's" in made._status.message
 
 
+def test_a_detector_that_fails_leaves_the_picture_and_the_clicks():
+    class Damaged(Detector):
+        def faces(self, image):
+            raise ValueError("the model is damaged")
+
+    made = Marking(Status(), Damaged(1))
+    made.open(PICTURE)
+    assert "The model is damaged. Click one eye's" in made._status.message and made.pad.clickable
+
+
 def test_a_dragged_landmark_is_told_and_counts_when_it_is_let_go():
     made = marking(1)
     made.open(PICTURE)
