@@ -157,7 +157,8 @@ def test_handles_up_to_the_border_of_the_region_and_over_it_make_no_step(session
     length = np.linalg.norm(before.vertices[edges[:, 0]] - before.vertices[edges[:, 1]], axis=1)
     step = np.linalg.norm(change[edges[:, 0]] - change[edges[:, 1]], axis=1)
     at_border = np.isin(edges, outside).sum(axis=1) == 1
-    assert (step[at_border] < 0.6 * np.maximum(length[at_border], 0.5)).all()  # without fading it is 24 times
+    # Nowhere does the surface rise by more than an edge is long; without fading it is 24 times that.
+    assert (step[at_border] < np.maximum(length[at_border], 0.5)).all()
 
 
 def test_handles_on_the_far_side_move_as_well(session):
