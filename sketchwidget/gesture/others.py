@@ -67,17 +67,16 @@ _GLYPHS: dict[str, tuple[list[tuple[float, float]], bool]] = {
 
 def other(writer: Writer, random: np.random.Generator) -> np.ndarray:
     """A stroke (n, 2) float32 of a writer that is no gesture, canvas points."""
-    kinds = (_glyph, _scribble, _zigzag, _wave, _arc, _coil, _upright_chevron, _wrong_rolls, _tailed_loop, _angles)
-    weights = np.array([6, 3, 1.5, 1.5, 1.5, 2, 1.5, 3, 1.5, 2])
-    kind = kinds[random.choice(len(kinds), p=weights / weights.sum())]
+    kinds, weights = zip(*_KINDS.items(), strict=True)
+    kind = kinds[random.choice(len(kinds), p=np.array(weights) / sum(weights))]
     return writer.write(kind(random), random)
 
 
 def _glyph(random: np.random.Generator) -> np.ndarray:
     corners, round_ = list(_GLYPHS.values())[random.integers(len(_GLYPHS))]
-    path = np.array(corners, dtype=np.float64) + random.normal(0.0, 0.2, (len(corners), 2))
-    path = path * [random.uniform(0.7, 1.2), 1.0]
-    return _smooth(path, random.uniform(0.03, 0.07)) if round_ else path
+    path = np.array(corners, dtype=np.float64) + random.normal(0.0, random.uniform(0.1, 0.4), (len(corners), 2))
+    path = path * [random.uniform(0.6, 1.3), 1.0]
+    return _smooth(path, random.uniform(0.02, 0.07)) if round_ or random.random() < 0.2 else path
 
 
 def _scribble(random: np.random.Generator) -> np.ndarray:
@@ -97,42 +96,64 @@ def _zigzag(random: np.random.Generator) -> np.ndarray:
 
 
 def _wave(random: np.random.Generator) -> np.ndarray:
-    t = np.linspace(0.0, random.uniform(1.0, 4.0), 150)
+    t = np.linspace(0.0, random.uniform(0.7, 4.0), 150) + random.uniform(0.0, 1.0)
     path = np.stack([t * random.uniform(0.6, 1.5), random.uniform(0.15, 0.6) * np.sin(2 * np.pi * t)], axis=1)
     return shapes.turned(path, random.uniform(0, 2 * np.pi))
 
 
 def _arc(random: np.random.Generator) -> np.ndarray:
-    turn = np.linspace(0.0, random.uniform(0.28, 0.78), 80) * 2 * np.pi
+    turn = np.linspace(0.0, random.uniform(0.32, 0.8), 80) * 2 * np.pi
     path = np.stack([np.cos(turn), random.uniform(0.5, 1.0) * np.sin(turn)], axis=1)
     return shapes.turned(path, random.uniform(0, 2 * np.pi))
 
 
 def _coil(random: np.random.Generator) -> np.ndarray:
     """A spiral, or rings about one place."""
-    turn = np.linspace(0.0, random.uniform(1.6, 5.0), 240) * 2 * np.pi
-    radius = np.linspace(random.uniform(0.05, 1.0), 1.0, 240) + random.normal(0.0, 0.05)
+    turns = random.uniform(1.3, 5.0)
+    turn = np.linspace(0.0, turns, 240) * 2 * np.pi
+    # Little more than a turn that stays as far out is a region whose ends overlap.
+    radius = np.linspace(random.uniform(0.0, 1.0 if turns > 1.6 else 0.6), 1.0, 240)
     path = radius[:, None] * np.stack([np.cos(turn), random.uniform(0.5, 1.0) * np.sin(turn)], axis=1)
     return shapes.turned(path * [random.choice([-1, 1]), 1], random.uniform(0, 2 * np.pi))
 
 
-def _upright_chevron(random: np.random.Generator) -> np.ndarray:
-    """An arrow or a chevron up or down."""
-    angles = tuple(random.uniform(0.35, 0.9, 2))
+def _slanting_arrow(random: np.random.Generator) -> np.ndarray:
+    """An arrow or a chevron that points to neither side."""
+    angles = tuple(random.uniform(0.35, 0.95, 2))
     path = shapes.arrow(float(random.random() < 0.5), tuple(random.uniform(0.3, 0.7, 2)), angles)
-    return shapes.turned(path, random.choice([-1, 1]) * np.pi / 2 + random.normal(0.0, 0.15))
+    return shapes.turned(path, random.choice([-1, 1]) * np.pi * random.uniform(0.28, 0.72))
+
+
+def _many_headed_arrow(random: np.random.Generator) -> np.ndarray:
+    """An arrow to both sides, or chevrons one after the other."""
+    barbs, angles = tuple(random.uniform(0.2, 0.6, 2)), tuple(random.uniform(0.4, 0.95, 2))
+    head = shapes.arrow(0.0, barbs, angles)
+    if random.random() < 0.6:
+        other_head = shapes.arrow(0.0, barbs[::-1], angles) * [-1, 1]
+        tips = np.zeros((1, 2)), np.array([[random.uniform(0.7, 1.5), 0.0]])
+        return np.concatenate([other_head, tips[0], tips[1], head + tips[1]])
+    count, step = random.integers(2, 4), random.uniform(0.2, 0.5)
+    path = np.concatenate([head[:: (-1) ** place] + np.array([step * place, 0.0]) for place in range(count)])
+    return path * [random.choice([-1, 1]), 1]
 
 
 def _wrong_rolls(random: np.random.Generator) -> np.ndarray:
     """Rolls with too many loops, with loops to both sides, or that climb."""
-    kind = random.integers(3)
-    if kind == 0:
-        return shapes.roll(int(random.integers(5, 9)), advance=random.uniform(0.3, 0.7)) * [1, random.choice([-1, 1])]
-    loops = int(random.integers(1, 4))
-    first = shapes.roll(loops, advance=random.uniform(0.4, 0.7))
-    if kind == 1:
+
+    def rolled(loops: int) -> np.ndarray:
+        width = random.uniform(0.4, 1.2)
+        lead = tuple(random.uniform(0.04, 0.4, 2))
+        sizes = np.exp(random.uniform(0.0, 0.3) * random.normal(0.0, 1.0, (2, loops)))
+        return shapes.roll(loops, sizes[0], width * sizes[1], width * random.uniform(0.3, 1.3), lead=lead)
+
+    kind = random.integers(4)
+    if kind < 2:
+        many = 4 + int(min(random.geometric(0.5) - 1, 4))
+        return rolled(many) * [1, random.choice([-1, 1])]
+    first = rolled(int(random.integers(1, 4)))
+    if kind == 2:
         return shapes.turned(first, random.choice([-1, 1]) * np.pi / 2 + random.normal(0.0, 0.2))
-    second = shapes.roll(int(random.integers(1, 3)), advance=random.uniform(0.4, 0.7)) * [1, -1]
+    second = rolled(int(random.integers(1, 3))) * [1, -1]
     return np.concatenate([first, second - second[0] + first[-1]]) * [1, random.choice([-1, 1])]
 
 
@@ -147,8 +168,40 @@ def _angles(random: np.random.Generator) -> np.ndarray:
     """A few straight pieces in any direction, the ends far apart."""
     while True:
         path = np.cumsum(random.normal(0.0, 1.0, (random.integers(4, 9), 2)), axis=0)
-        if np.hypot(*(path[-1] - path[0])) > 0.4 * np.ptp(path, axis=0).max():
+        if np.hypot(*(path[-1] - path[0])) > 0.4 * np.ptp(path, axis=0).max() and not _is_straight(path):
             return path
+
+
+def _cursive(random: np.random.Generator) -> np.ndarray:
+    """Writing of no language: the pen goes on to the right, by strokes, bows and loops of any size."""
+    while True:
+        steps = random.integers(4, 10)
+        knots = np.stack([np.arange(steps) * random.uniform(0.2, 1.0), np.zeros(steps)], axis=1)
+        path = _smooth(knots + random.normal(0.0, 0.7, (steps, 2)), random.uniform(0.02, 0.06))
+        if not _is_straight(path):
+            return path
+
+
+def _is_straight(path: np.ndarray) -> bool:
+    """Whether a path is so narrow that it is a line."""
+    _, (length, width), _ = np.linalg.svd(path - path.mean(axis=0), full_matrices=False)
+    return bool(width < 0.25 * length)
+
+
+_KINDS = {
+    _glyph: 7.0,
+    _scribble: 2.5,
+    _zigzag: 1.5,
+    _wave: 1.5,
+    _arc: 2.0,
+    _coil: 2.0,
+    _slanting_arrow: 2.0,
+    _many_headed_arrow: 1.5,
+    _wrong_rolls: 4.0,
+    _tailed_loop: 2.0,
+    _angles: 2.0,
+    _cursive: 3.0,
+}
 
 
 def _smooth(path: np.ndarray, width: float) -> np.ndarray:

@@ -87,8 +87,8 @@ class Writer:
             overshoot=random.exponential(0.015),
             closure=random.normal(0.01, 0.03),
             unevenness=random.uniform(0.03, 0.25),
-            width=random.uniform(0.4, 0.95),
-            advance=random.uniform(0.55, 1.3),
+            width=random.uniform(0.4, 1.2),
+            advance=random.uniform(0.35, 1.3),
             start=random.uniform(0, 1),
             shaft=random.choice([0.0, 0.3, 0.8, 1.0]),
             reversed=random.choice([0.0, 0.2, 0.5, 1.0]),
@@ -152,7 +152,7 @@ class Writer:
         return (path - path.min(axis=0) + room * random.uniform(0, 1, 2)).astype(np.float32)
 
     def _line(self, random: np.random.Generator) -> np.ndarray:
-        sag = np.clip(random.normal(0.0, 0.035), -0.11, 0.11)
+        sag = np.clip(random.normal(0.0, 0.06), -0.2, 0.2)
         return self.write(shapes.line(random.uniform(0, 2 * np.pi), sag), random, upright=False)
 
     def _region(self, random: np.random.Generator) -> np.ndarray:
@@ -176,10 +176,11 @@ class Writer:
     def _roll(self, loops: int, random: np.random.Generator) -> np.ndarray:
         uneven = np.exp(self.unevenness * random.normal(0.0, 1.0, (2, loops)))
         width = self.width * np.exp(random.normal(0.0, 0.1))
-        # Past this width a loop no longer closes, or runs into the next.
-        advance = width * np.clip(self.advance * np.exp(random.normal(0.0, 0.1)), 0.5, 1.5)
+        # Past this width a loop no longer closes; below it, one alone is a region, and many are rings.
+        advance = width * np.clip(self.advance * np.exp(random.normal(0.0, 0.1)), 0.3 if loops > 1 else 0.45, 1.5)
         flat = random.exponential(0.15) if random.random() < 0.3 else 0.0
-        lead = random.uniform(0.12, 0.42, 2)
+        # With no lead, loops above are one loop less below, whose leads are half a turn.
+        lead = random.uniform(0.04 if loops > 1 else 0.12, 0.4, 2)
         path = shapes.roll(loops, uneven[0], width * uneven[1], advance, flat, tuple(lead))
         tails = random.exponential(0.25, 2) * (random.random(2) < 0.4)
         start, end = path[:1] - np.array([tails[0], 0.0]), path[-1:] + np.array([tails[1], 0.0])

@@ -120,7 +120,7 @@ def gestures(
     recordings: Annotated[
         list[Path], typer.Option(help="Recorded gestures, to train on too; may be given several times.")
     ] = [],  # noqa: B006  (typer reads it)
-    steps: Annotated[int, typer.Option(min=2, help="Batches of 64 strokes.")] = 1_200,
+    steps: Annotated[int, typer.Option(min=2, help="Batches of 64 strokes.")] = 4_000,
     tiny: Annotated[bool, typer.Option("--tiny", help="A few small steps, in seconds, to see it run.")] = False,
 ) -> None:
     """Train the classifier of pen gestures on simulated writers, and measure it on others."""

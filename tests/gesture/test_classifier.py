@@ -10,6 +10,7 @@ from safetensors import safe_open
 from safetensors.torch import save_file
 
 import sketchwidget as sw
+from sketchwidget.gesture import shapes
 from sketchwidget.gesture.network import GestureCNN
 from sketchwidget.gesture.picture import normalised, picture
 from sketchwidget.gesture.shapes import EXAMPLES
@@ -68,6 +69,38 @@ def test_the_mirror_image_of_an_arrow_is_the_other_and_of_a_roll_is_itself(class
 )
 def test_what_is_none_of_the_ten_is_refused(classifier, points):
     assert classifier.classify(points)[0] is None
+
+
+@pytest.mark.parametrize("width", [0.7, 1.0])
+@pytest.mark.parametrize("advance", [0.45, 0.6, 0.9])
+def test_four_loops_are_no_roll(classifier, width, advance):
+    for side in (1, -1):
+        four = shapes.roll(4, widths=[width] * 4, advance=advance * width) * [1, side]
+        assert classifier.classify(four)[0] is None
+
+
+@pytest.mark.parametrize("turns", [2.0, 2.5, 3.0])
+@pytest.mark.parametrize("inner", [0.0, 0.3])
+def test_a_spiral_is_none(classifier, turns, inner):
+    turn = np.linspace(0, 1, 200)
+    radius = inner + (1 - inner) * turn
+    path = radius[:, None] * np.stack([np.cos(2 * np.pi * turns * turn), np.sin(2 * np.pi * turns * turn)], axis=1)
+    assert classifier.classify(path)[0] is None
+
+
+def test_an_arrow_to_both_sides_is_none(classifier):
+    one, other = shapes.arrow(0.0) * [-1, 1], shapes.arrow(0.0)
+    both = np.concatenate([one, [[0, 0], [1, 0]], other + np.array([1, 0])])
+    assert classifier.classify(both)[0] is None
+
+
+@pytest.mark.parametrize("loops", [2, 3])
+@pytest.mark.parametrize("lead", [0.1, 0.25, 0.35])
+def test_round_rolls_that_are_packed_tightly_have_their_sign(classifier, loops, lead):
+    for advance in (0.35, 0.5):
+        roll = shapes.roll(loops, widths=[1.0] * loops, advance=advance, lead=(lead, lead))
+        assert classifier.classify(roll)[0] == f"up roll {loops}"
+        assert classifier.classify(roll * [1, -1])[0] == f"down roll {loops}"
 
 
 @pytest.mark.parametrize("points", [[], [[0.0, np.nan]], "line", [[1, 2, 3]], [[0, 0], [1]]])
