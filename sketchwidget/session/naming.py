@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from sketchwidget.gesture.names import GESTURES, LINE
+from sketchwidget.gesture.names import GESTURES, LEFT_ARROW, LINE, RIGHT_ARROW
 from sketchwidget.sketch import resample
 from sketchwidget.sketch.polyline import arc_length
 
@@ -20,7 +20,9 @@ if TYPE_CHECKING:
     from .state import State
 
 _STRAIGHT = 0.985  # of a line: what there is between its ends, as a share of its length; a tenth of a turn has as much
-_ALONG = 0.7  # radians: what leads along a silhouette strays by less from its direction, on average
+# Radians by which what leads along a silhouette strays from its direction, on average: what is no gesture otherwise,
+# and what looks like an arrow, as the outline of a nose from the side. Arrows that are meant stray by 0.6 and more.
+_ALONG = {None: 0.7, LEFT_ARROW: 0.3, RIGHT_ARROW: 0.3}
 
 
 def named(event: Gesture, state: State, modeller: Modeller) -> Gesture:
@@ -35,9 +37,11 @@ def named(event: Gesture, state: State, modeller: Modeller) -> Gesture:
     """
     if event.name is not None:
         return event
-    name = event.tool or recognised(event.points) or modeller.gestures.classify(event.points)[0]
-    if name is None and _leads_along_silhouette(event, state, modeller):
-        name = LINE
+    name = event.tool or recognised(event.points)
+    if name is None:
+        name = modeller.gestures.classify(event.points)[0]
+        if name in _ALONG and _angle_to_silhouette(event, state, modeller) < _ALONG[name]:
+            name = LINE
     if name is None:
         raise ValueError(f"not a gesture: this stroke is none of {', '.join(GESTURES)}")
     return replace(event, name=name)
@@ -49,8 +53,7 @@ def may_change(event: Gesture, state: State) -> bool:
     return bool(event.name == LINE and len(state.refinement.handles) and bends)
 
 
-def _leads_along_silhouette(event: Gesture, state: State, modeller: Modeller) -> bool:
-    if len(state.refinement.handles):
-        return False
-    drag = silhouette_beside(Edit.of(event, state, modeller))
-    return drag is not None and drag.angle < _ALONG
+def _angle_to_silhouette(event: Gesture, state: State, modeller: Modeller) -> float:
+    """Between a stroke and the silhouette that it would drag, radians; infinite if it would drag none."""
+    drag = None if len(state.refinement.handles) else silhouette_beside(Edit.of(event, state, modeller))
+    return np.inf if drag is None else drag.angle

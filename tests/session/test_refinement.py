@@ -270,6 +270,16 @@ def test_a_round_stroke_is_a_line_beside_an_outline_and_without_handles_only(ses
         session.gesture(cheek)
 
 
+def test_the_outline_of_a_nose_is_no_arrow(session, monkeypatch):
+    """Even if the classifier takes it for one."""
+    seeing_arrows = SimpleNamespace(classify=lambda points: ("left arrow", 1.0))
+    monkeypatch.setitem(session._modeller.__dict__, "gestures", seeing_arrows)
+    before, nose = session.face, session.profile("left")[50:66]
+    assert session.gesture(drawn("left arrow", place(session, NOSE, View.preset("left")), 0.1), "left") == "left arrow"
+    assert session.gesture(nose - [0.02, 0], "left") == "line"
+    assert session.face.landmarks[NOSE, 2] > before.landmarks[NOSE, 2] + 3
+
+
 def test_the_region_bounds_silhouette_editing_too(session):
     left = View.preset("left")
     root, tip = place(session, 27, left), place(session, NOSE, left)
