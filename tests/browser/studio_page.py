@@ -81,15 +81,19 @@ class StudioPage:
             self.page.mouse.move(*self.on_screen(point))
         self.page.mouse.up(button=button)
 
-    def draw_on_head(self, points: Iterable[Iterable[float]], button: str = "left") -> None:
-        """Draw with the mouse over the head; points of the unit square that it is seen in."""
+    def _on_head(self, points: Iterable[Iterable[float]]) -> list[dict[str, float]]:
+        """Points of the unit square that the head is seen in, in the page's coordinates."""
         box = self.head.bounding_box()
         assert box is not None
-        first, *others = [(box["x"] + float(x) * box["width"], box["y"] + float(y) * box["height"]) for x, y in points]
-        self.page.mouse.move(*first)
+        return [{"x": box["x"] + float(x) * box["width"], "y": box["y"] + float(y) * box["height"]} for x, y in points]
+
+    def draw_on_head(self, points: Iterable[Iterable[float]], button: str = "left") -> None:
+        """Draw with the mouse over the head; points of the unit square that it is seen in."""
+        first, *others = self._on_head(points)
+        self.page.mouse.move(**first)
         self.page.mouse.down(button=button)
         for point in others:
-            self.page.mouse.move(*point)
+            self.page.mouse.move(**point)
         self.page.mouse.up(button=button)
 
     def open_picture(self, name: str, data: bytes) -> None:
@@ -106,6 +110,26 @@ class StudioPage:
         left, top, side, _ = map(float, view.split())
         x, y = map(float, pixel)
         return box["x"] + (x - left) / side * box["width"], box["y"] + (y - top) / side * box["height"]
+
+    def touch_head(self, points: Iterable[Iterable[float]]) -> None:
+        """Draw with a finger over the head, by touches of the browser's own."""
+        places = self._on_head(points)
+        screen = self.page.context.new_cdp_session(self.page)
+        for kind, place in [("touchStart", places[0]), *(("touchMove", place) for place in places[1:])]:
+            screen.send("Input.dispatchTouchEvent", {"type": kind, "touchPoints": [place]})
+        screen.send("Input.dispatchTouchEvent", {"type": "touchEnd", "touchPoints": []})
+        screen.detach()
+
+    def draw_on_head_with_pen(self, points: Iterable[Iterable[float]]) -> None:
+        """Draw with a pen over the head: mouse events of the browser's own that say they are a pen's."""
+        places = self._on_head(points)
+        screen = self.page.context.new_cdp_session(self.page)
+        common = {"button": "left", "pointerType": "pen", "force": 0.4, "clickCount": 1}
+        screen.send("Input.dispatchMouseEvent", {"type": "mousePressed", "buttons": 1, **places[0], **common})
+        for place in places[1:]:
+            screen.send("Input.dispatchMouseEvent", {"type": "mouseMoved", "buttons": 1, **place, **common})
+        screen.send("Input.dispatchMouseEvent", {"type": "mouseReleased", "buttons": 0, **places[-1], **common})
+        screen.detach()
 
     def press(self, keys: str) -> None:
         """Press keys with the pointer over the pad."""
