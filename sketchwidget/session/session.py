@@ -312,6 +312,8 @@ class Session(HasTraits):
     def brush(self, vertices: Any, erase: bool = False) -> bool:
         """Mark vertices of the head as handles, or unmark them; enters the mode "refine".
 
+        Gestures move all of them, those that a view hides as well, if some are seen in it.
+
         Parameters
         ----------
         vertices : (k,) array-like of int

@@ -18,6 +18,7 @@ const FLASH = 1800; // milliseconds
 const PARTIAL_EVERY = 1000 / 15;
 const CELLS = 200; // a side, in which what hides the marks is looked up
 const BEHIND = 3; // millimetres behind the surface: what is deeper is hidden
+const DOT = 0.005; // a side of a handle, in canvas units
 const HANDLE = "#0b8f7f";
 const REGION = "#c2410c";
 const INK = "#444444";
@@ -123,7 +124,7 @@ function render({ model, el }) {
     ctx.fillStyle = HANDLE;
     for (const vertex of handles) {
       const [x, y, seen] = project(vertex);
-      if (seen) ctx.fillRect((x - 0.004) * size, (y - 0.004) * size, 0.008 * size, 0.008 * size);
+      if (seen) ctx.fillRect((x - DOT / 2) * size, (y - DOT / 2) * size, DOT * size, DOT * size);
     }
     for (const one of [last, stroke]) if (one) trace(ctx, one, size);
   }
