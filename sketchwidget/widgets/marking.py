@@ -21,7 +21,7 @@ from .steps import Steps
 
 ACCEPTED = "image/*,.tif,.tiff,.webp"
 INVITATION = "Open a picture of a face"
-CLICKS = ("one eye's outer corner", "the other eye's outer corner", "the chin")
+CLICKS = ("the outer corners of both eyes, then the chin", "the outer corner of the other eye", "the chin")
 DRAG = "Drag any landmark to where it belongs."
 
 # Jaw, brows, nose, eyes and mouth, in iBUG order; the last number closes a line.
@@ -110,7 +110,7 @@ class Marking:
         if self.present.picture is None:
             return f"{INVITATION}: its landmarks are found, or begun by three clicks."
         if self.present.landmarks is None:
-            return f"Click {' and '.join(CLICKS[len(self.present.points) :])}."
+            return f"Click {CLICKS[len(self.present.points)]}."
         return DRAG
 
     def open(self, source: Any, name: str = "The picture") -> None:
@@ -170,7 +170,7 @@ class Marking:
         """Landmarks, or none, and what to say of them."""
         nothing = np.empty((0, 2))
         if self._detector is None and missing():
-            return nothing, "What finds landmarks is not here (`sketchwidget models` fetches it)."
+            return nothing, "The models that find faces are not here (`sketchwidget models`)."
         detector = self._detector or MediaPipeDetector()
         try:
             boxes = detector.faces(picture)

@@ -125,8 +125,9 @@ def test_the_slider_exaggerates_beyond_the_picture_and_the_head_is_taken_over(ta
     tab.draw((half - np.array([0, 0.03])).tolist())
     until(lambda: tab.message, lambda said: "brow is drawn anew" in said, "the word of the stroke")
     until(lambda: (tab.positions() - taken)[brow, 1].max(), lambda rise: rise > 4, "a higher brow")
-    low = taken[:, 1] < taken[model.landmarks[CHIN], 1] + 20
-    assert np.linalg.norm(tab.positions() - taken, axis=1)[low].max() < 3
+    # What is inferred from the new lines changes a little everywhere.
+    moved = np.linalg.norm(tab.positions() - taken, axis=1)
+    assert moved[model.curves["mouth_upper"]].max() < 0.5 and np.median(moved) < 2
     keep_picture(tab, "edited")
 
 
@@ -178,9 +179,10 @@ def test_landmarks_that_are_no_face_are_told(tab, drawn) -> None:
     data, landmarks = drawn
     tab.open_picture("someone.png", data)
     until(lambda: tab.message, lambda said: said.startswith("someone.png is open"), "the word of the picture")
-    for number in (36, 45, 27):
-        tab.page.mouse.click(*tab.on_picture(landmarks[number]))
-        until(lambda: tab.message, lambda said: "Click" in said or "No face" in said)
+    for count, pixel in enumerate((landmarks[36], landmarks[45]), start=1):
+        tab.page.mouse.click(*tab.on_picture(pixel))
+        until(lambda: len(tab.marks()), lambda marks, count=count: marks == count, "the mark of the click")
+    tab.page.mouse.click(*tab.on_picture(landmarks[27] - [0, 80]))  # a chin above the eyes
     until(lambda: tab.message, lambda said: said.startswith("No face can be there"), "the refusal")
     assert len(tab.marks()) == 2
 

@@ -61,7 +61,7 @@ def test_without_a_face_three_clicks_begin_one():
     made = marking(0)
     upload(made, png())
     assert made.pad.clickable and made.present.landmarks is None
-    for click, expected in zip(CLICKS, ("the other eye's", "the chin", "Drag"), strict=True):
+    for click, expected in zip(CLICKS, ("corner of the other eye", "the chin", "Drag"), strict=True):
         made._on_click(np.array(click))
         assert expected in made._status.message
     np.testing.assert_allclose(made.present.landmarks[[36, 45, 8]], CLICKS, atol=1e-6)
@@ -83,7 +83,7 @@ def test_without_models_the_status_says_how_to_get_them(monkeypatch):
     monkeypatch.setattr(room, "missing", lambda: ["face_detection"])
     made = Marking(Status())
     made.open(PICTURE)
-    assert "`sketchwidget models` fetches it" in made._status.message and "Click one eye's" in made._status.message
+    assert "(`sketchwidget models`). Click the outer corners of both eyes" in made._status.message
 
 
 def test_a_detector_that_fails_leaves_the_picture_and_the_clicks():
@@ -93,7 +93,7 @@ def test_a_detector_that_fails_leaves_the_picture_and_the_clicks():
 
     made = Marking(Status(), Damaged(1))
     made.open(PICTURE)
-    assert "The model is damaged. Click one eye's" in made._status.message and made.pad.clickable
+    assert "The model is damaged. Click the outer corners" in made._status.message and made.pad.clickable
 
 
 def test_a_dragged_landmark_is_told_and_counts_when_it_is_let_go():
