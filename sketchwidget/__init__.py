@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from .gesture.classifier import GestureClassifier
     from .inference import FaceRegressor
     from .session import Session, register_gesture
-    from .sketch import Sketch
+    from .sketch import Sketch, register_line
     from .widgets import DrawingCollector, GestureCollector, Studio
 
 __version__ = "0.1.0"
@@ -34,6 +34,7 @@ _HOMES = {
     "Studio": "widgets",
     "View": "geometry",
     "register_gesture": "session",
+    "register_line": "sketch",
 }
 _ROOMS = ("avatar", "caricature")  # public as a whole
 
@@ -54,6 +55,7 @@ __all__ = [
     "avatar",
     "caricature",
     "register_gesture",
+    "register_line",
 ]
 
 

@@ -51,7 +51,7 @@ class _ModeTrait(Unicode):
     """A trait whose assignment is an event: it changes when the mode has been entered."""
 
     def __set__(self, session: Session, mode: str) -> None:
-        session._do(Mode(mode))
+        session.do(Mode(mode))
 
 
 class Session(HasTraits):
@@ -156,7 +156,7 @@ class Session(HasTraits):
             If the points are no stroke, the view is another, the stroke closes no gap, or the sketch is full; nothing
             has changed then.
         """
-        self._do(Draw(points, view, mirror))
+        self.do(Draw(points, view, mirror))
 
     def preview(self, points: Any, view: str = "front", mirror: bool = False) -> Modelled:
         """What `draw` would give; nothing changes.
@@ -190,15 +190,15 @@ class Session(HasTraits):
         """
         place = isinstance(points, tuple | list | np.ndarray) and len(points) == 2 and all(map(np.isscalar, points))
         path: Any = [points] if place else points
-        return self._do(Erase(path, radius))
+        return self.do(Erase(path, radius))
 
     def clear(self) -> bool:
         """Remove all ink, or in the mode "refine" all marks: handles and region; False if there was none."""
-        return self._do(Clear())
+        return self.do(Clear())
 
     def start_from_template(self) -> None:
         """Begin follow-up sketching with the lines of the template, in place of the drawing (paper 3.2)."""
-        self._do(StartFromTemplate())
+        self.do(StartFromTemplate())
 
     def take_over(self, face: Face | np.ndarray) -> None:
         """Make a head from elsewhere the session's: of a caricature, a portrait, another session.
@@ -217,7 +217,7 @@ class Session(HasTraits):
         ValueError
             If it is no such head; nothing has changed then.
         """
-        self._do(TakeOver(getattr(face, "vertices", face)))
+        self.do(TakeOver(getattr(face, "vertices", face)))
 
     def exaggerate(self, amount: float) -> bool:
         """Multiply what makes the head differ from the mean face, all its layers together.
@@ -240,11 +240,11 @@ class Session(HasTraits):
         ValueError
             If it is anything else; nothing has changed then.
         """
-        return self._do(Exaggerate(amount))
+        return self.do(Exaggerate(amount))
 
     def cancel(self) -> bool:
         """Give back what was erased and waits to be drawn anew; False if nothing waits."""
-        return self._do(Cancel())
+        return self.do(Cancel())
 
     def profile(self, side: str = "left") -> np.ndarray:
         """The head's profile (p, 2) on the canvas of its "left" or "right" view, beside which `draw` drags it."""
@@ -275,7 +275,7 @@ class Session(HasTraits):
             If the stroke is no gesture or there is nothing that it could do; nothing has changed then.
         """
         event = self._named(Gesture(points, view, tool))
-        self._do(event)
+        self.do(event)
         return event.name or ""
 
     def preview_gesture(self, points: Any, view: View | str | None = None) -> Face | None:
@@ -331,15 +331,15 @@ class Session(HasTraits):
         ValueError
             If they are no vertices of the head, or none that deforms; nothing has changed then.
         """
-        return self._do(Brush(vertices, erase))
+        return self.do(Brush(vertices, erase))
 
     def undo(self) -> bool:
         """Take the last edit back; False if there was none."""
-        return self._do(Undo())
+        return self.do(Undo())
 
     def redo(self) -> bool:
         """Do the edit last taken back again; False if there was none, or something was done since."""
-        return self._do(Redo())
+        return self.do(Redo())
 
     def dumps(self) -> str:
         """The session as text, from which `loads` replays it."""
@@ -409,7 +409,23 @@ class Session(HasTraits):
     def _face_of_no_drawing(self) -> Any:
         return self.layers.head
 
-    def _do(self, event: Event) -> bool:
+    def do(self, event: Event) -> bool:
+        """Do an event, as all other methods do it: one of another session's `events`, for instance.
+
+        Returns
+        -------
+        bool
+            Whether it changed anything.
+
+        Raises
+        ------
+        ValueError
+            If it cannot be done; nothing has changed then.
+        TypeError
+            If it is no event.
+        """
+        if not isinstance(event, Event):
+            raise TypeError(f"a session does an Event, as those of Session.events; given {type(event).__name__}")
         started = perf_counter()
         changed = self._record(event)
         if changed:

@@ -1,7 +1,7 @@
 """Strokes and drawings in 2D: lines and segments, resampling, erasing, rasterising."""
 
 from .erase import erase
-from .names import COLOURS, FEATURES, LINE_NAMES, SILHOUETTE, UNNAMED, WRINKLE, kind
+from .names import COLOURS, FEATURES, LINE_NAMES, SILHOUETTE, UNNAMED, WRINKLE, kind, register_line
 from .piece import Piece
 from .polyline import arc_length, resample, resample_each
 from .raster import rasterise
@@ -23,6 +23,7 @@ __all__ = [
     "erase",
     "kind",
     "rasterise",
+    "register_line",
     "resample",
     "resample_each",
 ]

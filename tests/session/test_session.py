@@ -267,3 +267,19 @@ def test_a_file_that_is_no_session_is_named(tmp_path):
     (tmp_path / "letter.txt").write_text("Dear reader")
     with pytest.raises(SessionFileError, match=r"letter\.txt: line 1"):
         Session.load(tmp_path / "letter.txt")
+
+
+def test_a_session_does_the_events_of_another_one_by_one(session):
+    original = Session(inference=False)
+    piece = original.sketch.lines["left_brow"][0]
+    original.erase(piece[len(piece) // 2])
+    original.draw(piece - [0, 0.02])
+    original.undo()
+    original.redo()
+
+    copy = Session(inference=False)
+    did = [copy.do(event) for event in original.events]
+    assert did == [False, True, True, True, True]  # it had started from the template already
+    assert np.array_equal(copy.face.vertices, original.face.vertices)
+    with pytest.raises(TypeError, match="given dict"):
+        copy.do(original.events[-1].to_json())
