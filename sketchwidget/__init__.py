@@ -1,4 +1,13 @@
-"""sketchwidget: draw a face in a notebook, and a 3D head follows your pen."""
+"""sketchwidget: draw a face in a notebook, and a 3D head follows your pen.
+
+Examples
+--------
+>>> import sketchwidget as sw
+>>> sw.__version__
+'0.1.0'
+>>> len(sw.GESTURES), sw.GESTURES[:2]
+(10, ('line', 'region'))
+"""
 
 from __future__ import annotations
 

@@ -38,3 +38,17 @@ def folder_beyond_its_model(three_expressions, tmp_path_factory):
         patch.setattr(building, "MODEL_IDENTITIES", 2)
         building.build(three_expressions, out, identities=3, interpolated=5)
     return out
+
+
+@pytest.fixture
+def lines_restored():
+    """Line kinds that a test adds are gone after it."""
+    from sketchwidget.sketch import names
+
+    tables = (names._KINDS, names.COLOURS)
+    before = [dict(table) for table in tables]
+    yield
+    for table, kept in zip(tables, before, strict=True):
+        table.clear()
+        table.update(kept)
+    names._ADDED.clear()

@@ -75,6 +75,16 @@ class FaceDatabase(Sequence[DatabaseFace]):
     store : Store
     model : FaceModel
         The bilinear model of its first 150 identities.
+
+    Examples
+    --------
+    >>> db = sw.FaceDatabase.open("faces")
+    >>> face = db[db.index(identity=1, expression="laugh", level=3)]
+    >>> face.identity, face.expression, face.level
+    (1, 'laugh', 3)
+    >>> train, test = db.split("identity")
+    >>> {db[number].identity for number in test} & {db[number].identity for number in train}
+    set()
     """
 
     def __init__(self, store: Store, model: FaceModel) -> None:

@@ -33,6 +33,15 @@ class Face:
         Millimetres; x to the subject's left, y up, z to the front.
     identity, expression : arrays or None
         The bilinear weights it came from, if it did.
+
+    Examples
+    --------
+    >>> face = sw.FaceModel.load().face(expression="smile")
+    >>> face.vertices.shape, face.landmarks.shape
+    ((16837, 3), (68, 3))
+    >>> face.export("smile.glb")
+    >>> face.sketch(wrinkles=False).lines["nose"][0].shape[1]
+    2
     """
 
     model: FaceModel

@@ -40,6 +40,17 @@ class FaceModel:
         Names of the expressions of the tensor, the resting face as "neutral".
     mean_identity : (p,) array, optional
         Weights of the identity that stands for all; by default the mean of the tensor's.
+
+    Examples
+    --------
+    >>> model = sw.FaceModel.load()
+    >>> model.identity_size, model.expression_size, len(model.expressions)
+    (50, 16, 25)
+    >>> somebody = model.bilinear.identities[7]
+    >>> laugh = model.face(somebody, "laugh")
+    >>> identity, expression = model.fit(laugh.vertices)  # backwards
+    >>> bool(np.linalg.norm(model.face(identity, expression).vertices - laugh.vertices, axis=1).max() < 1)  # mm
+    True
     """
 
     def __init__(

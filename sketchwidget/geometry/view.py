@@ -23,6 +23,11 @@ class View:
         Canvas units per millimetre.
     centre : (2,) array
         Where the head's origin falls on the canvas (x right, y down, the canvas is the unit square).
+
+    Examples
+    --------
+    >>> sw.View().project([[0.0, 0.0, 50.0], [125.0, 62.5, 0.0]]).tolist()  # 250 mm to the unit, y down
+    [[0.5, 0.5], [1.0, 0.25]]
     """
 
     rotation: np.ndarray = field(default_factory=lambda: np.eye(3, dtype=np.float32))

@@ -29,6 +29,13 @@ class GestureClassifier:
     network : GestureCNN
     threshold : float
         A stroke whose most probable gesture is less probable is none of the ten.
+
+    Examples
+    --------
+    >>> turn = np.linspace(0, 2 * np.pi, 60)
+    >>> name, probability = sw.GestureClassifier.load().classify(np.stack([np.cos(turn), np.sin(turn)], axis=1))
+    >>> name
+    'region'
     """
 
     def __init__(self, network: GestureCNN, threshold: float) -> None:

@@ -71,6 +71,13 @@ class FaceRegressor:
         Whether the lines that were named move the network's answer towards them.
     database : str
         Sum of the database that the network was trained on.
+
+    Examples
+    --------
+    >>> drawing = sw.FaceModel.load().face(expression="smile").sketch()
+    >>> face = sw.FaceRegressor.load().predict(drawing)
+    >>> bool(face.landmarks[54, 1] > face.landmarks[57, 1])  # a corner of the mouth is above the lower lip
+    True
     """
 
     def __init__(

@@ -144,6 +144,18 @@ def register_gesture(name: str, behaviour: Behaviour, recognise: Recogniser | No
         If the name is that of an arrow: these undo and redo, whatever was done.
     TypeError
         If the behaviour or what recognises it cannot be called.
+
+    Examples
+    --------
+    >>> def nod(edit):
+    ...     return edit.displaced(np.tile([0.0, -2.0, 0.0], (len(edit.face.vertices), 1)))  # mm
+    >>> sw.register_gesture("nod", nod)
+    >>> session = sw.Session(inference=False)
+    >>> before = session.face.landmarks
+    >>> session.gesture([[0.4, 0.4], [0.5, 0.5], [0.6, 0.4]], tool="nod")
+    'nod'
+    >>> round(float((session.face.landmarks - before)[30, 1]), 3)
+    -2.0
     """
     if not isinstance(name, str) or not name or name in (LEFT_ARROW, RIGHT_ARROW):
         raise ValueError(f"a gesture has a name, which is not {LEFT_ARROW!r} or {RIGHT_ARROW!r}; given {name!r}")

@@ -91,6 +91,18 @@ class Session(HasTraits):
     can_undo, can_redo : bool
     events : tuple of Event
         All that changed anything, undos and redos included.
+
+    Examples
+    --------
+    >>> turn = np.linspace(0, 2 * np.pi, 60)
+    >>> session = sw.Session()
+    >>> session.draw(np.stack([0.5 + 0.27 * np.sin(turn), 0.5 - 0.38 * np.cos(turn)], axis=1))
+    >>> session.draw([[0.33, 0.41], [0.39, 0.385], [0.46, 0.40]], mirror=True)
+    >>> sorted(session.sketch.lines)
+    ['left_brow', 'right_brow', 'silhouette']
+    >>> session.save("drawing.jsonl")
+    >>> bool(np.array_equal(sw.Session.load("drawing.jsonl").face.vertices, session.face.vertices))
+    True
     """
 
     mode = _ModeTrait("initial")

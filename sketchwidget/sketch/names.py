@@ -62,6 +62,12 @@ def register_line(name: str, colour: str) -> None:
     ------
     ValueError
         If the name is none or one of the house's own, or the colour is written otherwise.
+
+    Examples
+    --------
+    >>> sw.register_line("moustache", "#8a5a00")
+    >>> "#8a5a00" in sw.Sketch.from_strokes([[[0.4, 0.6], [0.6, 0.6]]]).renamed(["moustache"]).svg()
+    True
     """
     taken = {*LINE_NAMES, *COLOURS} - _ADDED
     if not isinstance(name, str) or not name.isidentifier() or name in taken:

@@ -77,6 +77,15 @@ class Sketch:
     ------
     ValueError
         If there are more.
+
+    Examples
+    --------
+    >>> sketch = sw.Sketch.from_strokes([[[10, 10], [90, 10], [90, 90]]])  # in any frame, y down
+    >>> sketch.lines.keys(), sketch.image(64).shape
+    (dict_keys(['unnamed']), (64, 64))
+    >>> sketch.save("corner.json")
+    >>> sw.Sketch.load("corner.json") == sketch
+    True
     """
 
     segments: tuple[Segment, ...] = ()

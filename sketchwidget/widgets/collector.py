@@ -53,6 +53,12 @@ class DrawingCollector(VBox):
         If there are no faces, one has no weights, the view is another, or the file holds something else.
     OSError
         If the file cannot be read or written.
+
+    Examples
+    --------
+    >>> collector = sw.DrawingCollector("drawings-anna.jsonl")  # shown at the end of a notebook's cell
+    >>> len(collector.children) > 0
+    True
     """
 
     def __init__(

@@ -40,6 +40,12 @@ class GestureCollector(VBox):
         If the file holds something else.
     OSError
         If it cannot be read or written.
+
+    Examples
+    --------
+    >>> collector = sw.GestureCollector("gestures-anna.jsonl")  # shown at the end of a notebook's cell
+    >>> collector.asked in sw.GESTURES
+    True
     """
 
     def __init__(self, path: str | os.PathLike[str], seed: int = 0) -> None:

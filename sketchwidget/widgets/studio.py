@@ -48,6 +48,13 @@ class Studio(VBox):
         The session on show.
     marking : Marking
         The picture of the tabs that begin with one; scripts may open it, and place its landmarks.
+
+    Examples
+    --------
+    >>> studio = sw.Studio()  # shown at the end of a notebook's cell
+    >>> studio.session.draw([[0.3, 0.4], [0.4, 0.38], [0.45, 0.4]])  # appears on the pad
+    >>> len(studio.session.sketch)
+    1
     """
 
     session = traitlets.Instance(Session)

@@ -1,16 +1,6 @@
 import pytest
 
-from sketchwidget.sketch import COLOURS, FEATURES, LINE_NAMES, Sketch, kind, names, register_line
-
-
-@pytest.fixture
-def only_here():
-    """What a test registers is gone after it."""
-    before = set(names._KINDS)
-    yield
-    for name in set(names._KINDS) - before:
-        del names._KINDS[name], names.COLOURS[name]
-        names._ADDED.discard(name)
+from sketchwidget.sketch import COLOURS, FEATURES, LINE_NAMES, Sketch, kind, register_line
 
 
 def test_every_line_has_a_kind_and_every_kind_a_colour():
@@ -28,7 +18,7 @@ def test_an_unknown_line_is_an_error(name):
         kind(name)
 
 
-def test_an_added_line_is_a_kind_of_its_own_in_its_colour(only_here):
+def test_an_added_line_is_a_kind_of_its_own_in_its_colour(lines_restored):
     register_line("moustache", "#8a5a00")
     register_line("moustache", "#00ff00")  # and may get another
     drawing = Sketch.from_strokes([[[0.4, 0.6], [0.6, 0.6]]]).renamed(["moustache"])
@@ -38,13 +28,13 @@ def test_an_added_line_is_a_kind_of_its_own_in_its_colour(only_here):
 
 
 @pytest.mark.parametrize("name", ["nose", "silhouette", "unnamed", "feature", "", "a b", '"/><script>', None, 3])
-def test_a_line_that_is_added_has_a_name_of_its_own(only_here, name):
+def test_a_line_that_is_added_has_a_name_of_its_own(lines_restored, name):
     with pytest.raises(ValueError, match="a name of its own"):
         register_line(name, "#8a5a00")
 
 
 @pytest.mark.parametrize("colour", ["brown", "#8a5a0", '#8a5a00"/>', None, 8])
-def test_its_colour_is_written_in_hexadecimal(only_here, colour):
+def test_its_colour_is_written_in_hexadecimal(lines_restored, colour):
     with pytest.raises(ValueError, match="#rrggbb"):
         register_line("moustache", colour)
     assert "moustache" not in COLOURS
