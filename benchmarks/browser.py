@@ -1,12 +1,13 @@
 """How fast the Studio is in JupyterLab on this machine: pen to ink, pen-up to updated head, and until it is shown.
 
-    python benchmarks/browser.py [--strokes 30]
+    python -m benchmarks.browser [--strokes 30] [--delay 50]
 
 All is measured in the page. *Ink* is from the time stamp of a pointer event to the end of the animation frame that drew
 it. *Head* is from the time stamp of the pointer's release to the end of the rendering of the mesh that answers it, so
 that it holds the way to the kernel and back, the inference, and the wait for a partial stroke that keeps the kernel
 busy; of several meshes the last counts. What the compositor does then, usually one more frame, is in neither. *Shown*
-is from running the cell, in a kernel that is idle, to a pad and a head on screen.
+is from running the cell, in a kernel that is idle, to a pad and a head on screen. With a delay all goes through a proxy
+that takes so much longer each way, as a server far away does.
 """
 
 from __future__ import annotations
@@ -31,6 +32,8 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests" / "browser"
 from jupyter_page import launch_chromium, open_in_lab, serve, write_notebook
 from studio_page import OVAL, StudioPage, until
 
+from .delay import delayed
+
 POINTER_RATE = 120.0  # samples a second, a usual pen's
 LISTEN = """() => {
     window.measured = { ink: [], head: [] };
@@ -52,8 +55,14 @@ LISTEN = """() => {
 }"""
 
 
-def measure(strokes: int = 30) -> dict[str, Any]:
+def measure(strokes: int = 30, delay: float = 0.0) -> dict[str, Any]:
     """Draw ``strokes`` strokes and measure each.
+
+    Parameters
+    ----------
+    strokes : int
+    delay : float
+        Milliseconds that the network takes more, each way.
 
     Returns
     -------
@@ -64,7 +73,7 @@ def measure(strokes: int = 30) -> dict[str, Any]:
     with tempfile.TemporaryDirectory() as folder, sync_playwright() as playwright:
         notebook = write_notebook(Path(folder), "studio", "import sketchwidget as sw\nsw.Studio()")
         browser = launch_chromium(playwright)
-        with serve("lab", Path(folder)) as address:
+        with serve("lab", Path(folder)) as server, delayed(server, delay / 1000) as address:
             page = browser.new_page(viewport={"width": 1280, "height": 900})
             open_in_lab(page, address, notebook)
             started = time.perf_counter()
@@ -126,7 +135,9 @@ def _summary(values: list[float]) -> dict[str, float]:
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--strokes", type=int, default=30)
-    print(json.dumps(measure(parser.parse_args().strokes), indent=2))
+    parser.add_argument("--delay", type=float, default=0.0, help="milliseconds more each way")
+    given = parser.parse_args()
+    print(json.dumps(measure(given.strokes, given.delay), indent=2))
 
 
 if __name__ == "__main__":
