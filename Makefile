@@ -1,6 +1,6 @@
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
-.PHONY: help studio test lint browser clean
+.PHONY: help studio test lint bench binder browser clean
 
 HOST ?= 127.0.0.1
 PORT ?= 8888
@@ -27,6 +27,12 @@ lint: $(VENV)/test.stamp ## check style, types and formatting
 	$(BIN)/python -m ruff check .
 	$(BIN)/python -m ruff format --check .
 	$(BIN)/python -m pyright --pythonpath $(BIN)/python
+
+bench: browser ## measure the figures of benchmarks/RESULTS.md on this machine; nothing else should run beside it
+	$(BIN)/python -m benchmarks
+
+binder: ## build Binder's environment in a fresh folder and try it; the folder goes again
+	"$(PYTHON)" binder/check.py
 
 browser: $(VENV)/test.stamp
 	@sh scripts/browser.sh $(BIN)/python
