@@ -1,4 +1,4 @@
-"""Asks a server, as the badge does, for the page of the Studio: the notebook runs, and what comes back holds it."""
+"""Asks a server, as the badge does, for the page of the Studio: the notebook runs and shows a widget."""
 
 from __future__ import annotations
 
@@ -48,5 +48,5 @@ with tempfile.TemporaryDirectory() as folder:
     finally:
         server.terminate()
         server.wait(30)
-assert "sketchwidget-studio" in shown, "the page that the badge opens holds no Studio"
-print(f"the Studio's page: {len(shown) / 1e6:.1f} MB")
+assert "application/vnd.jupyter.widget-view+json" in shown, "the page that the badge opens shows no widget"
+print(f"the Studio's page: {len(shown) / 1000:.0f} kB")
