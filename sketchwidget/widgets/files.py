@@ -69,6 +69,15 @@ class Files:
         self._status.say("The drawing from before the loading is back.")
         return True
 
+    def load(self, name: str, content: bytes, then: Callable[[], str] = str) -> None:
+        """Show the session of a file's content; what is wrong with it is told. ``then()`` is said after that."""
+        with self._status.reporting(f"{name} was not loaded, the drawing is kept"):
+            session = self._session_of()
+            loaded = session.another(content.decode())
+            self._loaded = (session, loaded, len(loaded.events))
+            self._show_session(loaded)
+            self._status.say(f"{name} is loaded; undo brings the former drawing back.", then())
+
     def _on_export(self, suffix: str) -> None:
         with self._status.reporting("The head could not be exported"):
             self.downloads.save(f"head.{suffix}", self._face_of().to_bytes(suffix), EXPORTS[suffix])
@@ -84,9 +93,4 @@ class Files:
             return
         file = change["new"][0]
         change["owner"].value = ()  # so that the same file can be picked again
-        with self._status.reporting(f"{file.name} was not loaded, the drawing is kept"):
-            session = self._session_of()
-            loaded = session.another(bytes(file.content).decode())
-            self._loaded = (session, loaded, len(loaded.events))
-            self._show_session(loaded)
-            self._status.say(f"{file.name} is loaded; undo brings the former drawing back.")
+        self.load(file.name, bytes(file.content))

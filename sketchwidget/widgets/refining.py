@@ -18,6 +18,7 @@ from . import toolbar
 from .head_view import HeadView
 from .refine_pad import BRUSHES, TOOLS, RefinePad
 from .status import Status
+from .welcome import beyond
 
 EXPECTED = "Brush handles, then draw a gesture on the head; the right button turns it."
 EFFECTS = {
@@ -105,7 +106,7 @@ class Refining:
                 self.pad.flash(str(error).partition(":")[0], good=False)
                 raise
             self.pad.flash(happened)
-            self._status.say(f"{happened[0].upper()}{happened[1:]}.", EXPECTED)
+            self._status.say(f"{happened[0].upper()}{happened[1:]}.", beyond(session) or EXPECTED)
         if session.face is before:  # the head may have followed what came to nothing
             self._show_head()
 

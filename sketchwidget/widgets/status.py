@@ -68,13 +68,18 @@ def expected_next(sketch: Sketch, mode: str = "initial", gap: Gap | None = None)
         return "Erase a piece of a line and draw it anew; other strokes are wrinkles."
     if not len(sketch):
         return "Draw the outline of a face; the head follows every stroke."
-    names = {segment.name for segment in sketch.segments}
-    missing = [] if SILHOUETTE in names else ["the outline"]
-    missing += [part for part, word in PARTS.items() if not any(word in name for name in names)]
-    if not missing:
+    parts = missing(sketch)
+    if not parts:
         return "Redraw any line, or turn the head with a drag."
-    *most, last = missing
+    *most, last = parts
     return f"Still to draw: {', '.join(most)}{' and ' if most else ''}{last}, in any order."
+
+
+def missing(sketch: Sketch) -> list[str]:
+    """What of a face is not drawn yet, by the names that lines were given."""
+    names = {segment.name for segment in sketch.segments}
+    parts = [] if SILHOUETTE in names else ["the outline"]
+    return parts + [part for part, word in PARTS.items() if not any(word in name for name in names)]
 
 
 def said(name: str) -> str:

@@ -26,6 +26,7 @@ from .refine_pad import TOOLS as REFINING_TOOLS
 from .refining import EXPECTED, Refining
 from .status import Status, expected_next, said
 from .tab import Tab
+from .welcome import Welcome, beyond
 
 TOOLS = ("pen", "eraser")
 MODES = ("initial", "followup", "refine")
@@ -93,6 +94,7 @@ class Studio(VBox):
         self._cancel, template = toolbar.button("cancel"), toolbar.button("template")
         views = [toolbar.button(name) for name in VIEWS]
         self._files = Files(lambda: self.session, self._set_session, lambda: self._face, self._status)
+        self._welcome = Welcome(self._on_example)
         self._refining = Refining(lambda: self.session, self._head, self._status)
         self._exaggerating = Exaggerating(self._on_exaggerate)
         self.marking = Marking(self._status)
@@ -124,7 +126,7 @@ class Studio(VBox):
         more = toolbar.bar((self._cancel,), (self._mirror, self._ghost, self._live)).add_class(at("drawing"))
         pads = [self._pad.widget.add_class(at("drawing")), self.marking.pad.add_class(at("picture"))]
         pad_bars = _row(tools, self.marking.bar.add_class(at("picture")), edits, more)
-        left = VBox([pad_bars, *pads]).add_class("sketchwidget-panel")
+        left = VBox([pad_bars, *pads, self._welcome.add_class(at("drawing"))]).add_class("sketchwidget-panel")
         head_bars = [toolbar.bar(tuple(views)).add_class("sketchwidget-views"), self._refining.bar]
         head_bars += [tab.bar.add_class(at(name)) for name, tab in self._tabs.items()]
         below = [self._exaggerating.bar, self._refining.chart]
@@ -163,6 +165,7 @@ class Studio(VBox):
         self._refining.show(hidden=self._tab is not None)
         loaded = self._tab is None and self._files.just_loaded
         toolbar.set_useful(self._undo, self._edited.can_undo or loaded)
+        self._welcome.show(not len(session.sketch) and session.mode == "initial")
         toolbar.set_useful(self._redo, self._edited.can_redo)
         marked = len(session.handles) or session.refinement.region is not None
         there = bool(marked if session.mode == "refine" else len(session.sketch))
@@ -200,7 +203,8 @@ class Studio(VBox):
             return EXPECTED
         if self._side != "front":
             return "Draw beside the profile to drag it."
-        return expected_next(self.session.sketch, self.session.mode, self.session.gap)
+        session = self.session
+        return beyond(session) or expected_next(session.sketch, session.mode, session.gap)
 
     @property
     def _face(self) -> Face:
@@ -326,6 +330,11 @@ class Studio(VBox):
                 self.session.exaggerate(amount)
                 self._status.say(f"Exaggerated {amount:.2f} times; undo brings the head back.", self._expected)
         self._exaggerating.show(self.session.exaggeration)
+
+    def _on_example(self, name: str, text: str) -> None:
+        if not self.session.awake:
+            self._status.say("The network is waking up; the head follows in a moment.")
+        self._files.load(name, text.encode(), lambda: self._expected)
 
     def _set_session(self, session: Session) -> None:
         self.session = session
