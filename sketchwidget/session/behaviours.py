@@ -94,8 +94,11 @@ def _seen_handles(edit: Edit) -> np.ndarray:
 
 
 def silhouette_beside(edit: Edit) -> Drag | None:
-    """The part of a silhouette that is nearest to a stroke, and may move; None if none is near."""
-    chains = silhouettes(edit.face.vertices, edit.modeller.soft_faces, edit.view.rotation, edit.movable)
+    """The part of a silhouette of the region that is nearest to a stroke; None if none is near."""
+    faces, near = edit.modeller.soft_faces, edit.movable.copy()
+    # A region of what was seen ends at a silhouette, of which it has a vertex here and there.
+    near[faces[near[faces].any(axis=1)]] = True
+    chains = silhouettes(edit.face.vertices, faces, edit.view.rotation, near)
     drag = nearest_silhouette(edit.points, chains, edit.canvas)
     return drag if drag is not None and drag.distance <= NEAR else None
 
@@ -108,7 +111,8 @@ def _silhouette_to(edit: Edit) -> Refinement:
             "no handles are marked, and no silhouette is near this line: brush handles, or draw beside an outline"
         )
     vertices, first = np.unique(drag.vertices, return_index=True)
-    # A silhouette is where a region of what was seen ends by itself; it is to move nevertheless.
+    vertices, first = vertices[edit.movable[vertices]], first[edit.movable[vertices]]
+    # Where the region ends at a silhouette, this is to move nevertheless.
     outside = np.flatnonzero(edit.modeller.soft & ~edit.movable)
     return edit.deformed(vertices, edit.in_space(drag.displacement[first]), outside[edit.seen(outside)])
 

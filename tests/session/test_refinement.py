@@ -292,6 +292,16 @@ def test_the_region_bounds_silhouette_editing_too(session):
     assert change[np.setdiff1d(np.flatnonzero(soft), session.region)].max() == 0
 
 
+@pytest.mark.parametrize("view", ["front", "left"])
+def test_an_outline_is_dragged_within_a_region_from_any_view(session, view):
+    session.gesture(drawn("region", place(session, NOSE, View.preset(view)), 0.28), view)
+    before = session.face
+    assert session.gesture(session.profile("left")[50:66] - [0.03, 0], "left") == "line"
+    assert (session.face.vertices - before.vertices)[:, 2].max() > 6
+    soft = np.flatnonzero(before.model.template.fine_parts <= 1)
+    assert moved(session, before)[np.setdiff1d(soft, session.region)].max() == 0
+
+
 def test_arrows_undo_and_redo(session):
     before = session.face
     session.brush(about(session.face, NOSE, 6))
