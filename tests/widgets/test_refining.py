@@ -70,6 +70,14 @@ def test_a_gesture_flashes_its_name_and_moves_the_head(studio):
     assert studio.session.face.landmarks[30, 2] == before
 
 
+def test_a_line_flashes_what_it_did(studio):
+    cheek = [FRONT.project(studio.session.face.landmarks[at]) - np.array([0.01, 0]) for at in (2, 5)]
+    assert message(studio, np.linspace(*cheek, 20))["text"] == "line: drags the outline"
+    studio.session.brush(about(studio.session.face, 30, 6))
+    line = np.linspace(nose(studio), nose(studio) + np.array([0, 0.04]), 20)
+    assert message(studio, line)["text"] == "line: moves the handles"
+
+
 def test_a_region_s_border_is_shown(studio):
     message(studio, drawn("region", nose(studio), 0.2))
     border = studio._refining.pad._marks[1]
