@@ -123,8 +123,7 @@ class Marking:
         """
         picture = load_picture(source)
         points, found = self._found(picture)
-        self._go_to(Marked(picture, points))
-        self._status.say(f"{name} is open. {found}", self.expected)
+        self._go_to(Marked(picture, points), f"{name} is open. {found}")
 
     def place(self, points: np.ndarray) -> None:
         """Mark landmarks (68, 2) on the picture."""
@@ -150,8 +149,11 @@ class Marking:
             self._show()
         return changed
 
-    def _go_to(self, marked: Marked) -> None:
+    def _go_to(self, marked: Marked, happened: str | None = None) -> None:
+        """Let something else be marked; what follows it may have more to say than what happened."""
         self._steps.go_to(marked)
+        if happened is not None:
+            self._status.say(happened, self.expected)
         self._show()
 
     def _show(self) -> None:
@@ -197,8 +199,7 @@ class Marking:
             points = np.vstack([self.present.points, place])
             if len(points) == COUNT:
                 points = landmarks_from(points, FaceModel.load())
-            self.place(points)
-            self._status.say(self.expected)
+            self._go_to(replace(self.present, points=points), "")
 
     def _on_move(self, number: int, place: np.ndarray, done: bool) -> None:
         if not 0 <= number < len(self.present.points):
