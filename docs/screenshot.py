@@ -59,6 +59,7 @@ def main() -> None:
             studio.press("c")
             until(lambda: studio.message, lambda said: said.startswith("The head meets"), "the fit")
             until(studio.turning, lambda turning: not turning)
+            studio.root.locator(".sketchwidget-figures").evaluate("figures => figures.remove()")  # of a busy machine
             studio.root.screenshot(path=FOLDER / "caricature_tab.png")
         browser.close()
 
