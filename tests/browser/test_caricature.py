@@ -132,9 +132,10 @@ def test_the_slider_exaggerates_beyond_the_picture_and_the_head_is_taken_over(ta
     tab.draw((half - np.array([0, 0.03])).tolist())
     until(lambda: tab.message, lambda said: "brow is drawn anew" in said, "the word of the stroke")
     until(lambda: (tab.positions() - taken)[brow, 1].max(), lambda rise: rise > 4, "a higher brow")
-    # What is inferred from the new lines changes a little everywhere.
-    moved = np.linalg.norm(tab.positions() - taken, axis=1)
-    assert moved[model.curves["mouth_upper"]].max() < 0.5 and np.median(moved) < 2
+    # The other lines stay; between them, what is inferred from the new ones changes a little everywhere.
+    moved = tab.positions() - taken
+    assert np.abs(moved[model.curves["mouth_upper"], :2]).max() < 0.5
+    assert np.median(np.linalg.norm(moved, axis=1)) < 2
     keep_picture(tab, "edited")
 
 
