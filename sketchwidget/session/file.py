@@ -18,10 +18,17 @@ class SessionFileError(ValueError):
 
 def dumps(events: Sequence[Event]) -> str:
     """The text of a session with these events."""
-    header = {"format": FORMAT, "version": VERSION, "events": len(events)}
-    return "".join(
-        json.dumps(line, separators=(",", ":")) + "\n" for line in [header, *(event.to_json() for event in events)]
-    )
+    return joined([line(event) for event in events])
+
+
+def line(event: Event) -> str:
+    """The line of an event."""
+    return _compact(event.to_json())
+
+
+def joined(lines: Sequence[str]) -> str:
+    """The text of a session with these lines."""
+    return "".join([_compact({"format": FORMAT, "version": VERSION, "events": len(lines)}), *lines])
 
 
 def loads(text: str) -> list[Event]:
@@ -39,6 +46,10 @@ def loads(text: str) -> list[Event]:
             f"the session has {len(lines)} events where its first line announces {count}: cut short?"
         )
     return [_event(line, number) for number, line in enumerate(lines, start=2)]
+
+
+def _compact(value: dict[str, Any]) -> str:
+    return json.dumps(value, separators=(",", ":")) + "\n"
 
 
 def _event(line: str, number: int) -> Event:

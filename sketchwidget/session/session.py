@@ -18,6 +18,7 @@ from sketchwidget.sketch.erase import as_radius
 
 from . import file, profile
 from .apply import apply
+from .autosave import Autosave
 from .events import (
     Brush,
     Cancel,
@@ -122,6 +123,7 @@ class Session(HasTraits):
         self._modeller = Modeller(regressor, inference)
         self._history = History(self._modeller)
         self._events: list[Event] = []
+        self._autosave: Autosave | None = None
         if not inference:
             self.start_from_template()
 
@@ -384,6 +386,15 @@ class Session(HasTraits):
         """Write the session to a file; a former file stays as it was if that fails."""
         textfile.write(path, self.dumps())
 
+    def autosave(self, path: str | os.PathLike[str]) -> None:
+        """Write the session to a file now and after every change, before its head is inferred.
+
+        However the kernel ends, `load` then gives the session up to the last finished stroke. A change that cannot be
+        written is made all the same, and raises what `save` would.
+        """
+        self._autosave = Autosave(path)
+        self._autosave.write(self._events)
+
     @classmethod
     def load(cls, path: str | os.PathLike[str], regressor: FaceRegressor | None = None, inference: bool = True) -> Self:
         """Replay a session from its file.
@@ -441,7 +452,11 @@ class Session(HasTraits):
         started = perf_counter()
         changed = self._record(event)
         if changed:
-            self._follow(started)
+            try:
+                if self._autosave is not None:
+                    self._autosave.write(self._events)
+            finally:
+                self._follow(started)
         return changed
 
     def _named(self, event: Gesture) -> Gesture:
