@@ -15,6 +15,8 @@ import torch
 from torch import Tensor, nn
 from torch.nn import functional
 
+from ..files import torchfile
+
 MAX_BYTES = 2**30
 _SLOPE, _GAIN = 0.2, 2**0.5
 _BLUR = (1.0, 3.0, 3.0, 1.0)
@@ -123,12 +125,7 @@ def load_generator(path: str | os.PathLike[str]) -> dict[str, Tensor]:
             return load_file(path)
         except SafetensorError as error:
             raise ValueError(f"{path} is no safetensors file that can be read: {error}") from error
-    import pickle
-
-    try:
-        read = torch.load(path, map_location="cpu", weights_only=True)
-    except (pickle.UnpicklingError, RuntimeError, EOFError) as error:
-        raise ValueError(f"{path} holds more than tensors, or is damaged; only plain checkpoints are read") from error
+    read = torchfile.read(path)
     state = read.get("g_ema", read) if isinstance(read, dict) else read
     if not isinstance(state, dict) or not all(isinstance(value, Tensor) for value in state.values()):
         raise ValueError(f"{path} holds no generator: its tensors are looked for under 'g_ema'")

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from pathlib import Path
-from pickle import UnpicklingError
 from typing import Any, Protocol
 
 import torch
+
+from ..files import torchfile
 
 
 class Part(Protocol):
@@ -92,10 +93,10 @@ class Checkpoints:
 
     def _read(self, path: Path, device: torch.device) -> dict[str, Any]:
         try:
-            state = torch.load(path, weights_only=True, map_location=device)
-        except (EOFError, OSError, RuntimeError, UnpicklingError) as error:
+            state = torchfile.read(path, device)
+        except (OSError, ValueError) as error:
             raise ValueError(f"{path} is damaged; remove it to train anew: {error}") from error
-        if state.get("about") != self._about:
+        if not isinstance(state, dict) or state.get("about") != self._about:
             raise ValueError(
                 f"{path} is of another training, of another layout, database or drawings: name another --out or"
                 " --work, or remove it"
