@@ -89,7 +89,8 @@ class CurveHandles:
             For some lines, x and y in millimetres where their handle points go; a point that is not finite is free.
             Depth stays.
         profile : (p, 2) array, optional
-            z and y in millimetres where the points of the profile go; those that are not finite are free.
+            Millimetres in depth and height by which the points of the profile go further than the lines alone would
+            take them; those that are not finite are free.
         turning : bool
             Whether details turn and grow with what is around them in the front view; without a profile only.
 
@@ -106,9 +107,11 @@ class CurveHandles:
                 self._deformation.turning(soft, across) if turning else self._deformation(across)
             )
         else:
-            self._move_profile(moves, profile - vertices[self.profile][:, [2, 1]])
-            for axis in range(3):
-                moved[:, axis] += self._spread @ self._deformation(moves[:, [axis]])[:, 0]
+            depth, rise = self._dragged(moves[:, 2], profile)
+            across = self._deformation(moves[:, :2])
+            across[:, 1] += self._deformation(rise[:, None])[:, 0]
+            moved[:, :2] += self._spread @ across
+            moved[:, 2] += self._spread @ self._deformation(depth[:, None])[:, 0]
         self._follow(vertices, moved)
         return moved
 
@@ -125,11 +128,12 @@ class CurveHandles:
             start += len(path)
         return moves
 
-    def _move_profile(self, moves: np.ndarray, profile: np.ndarray) -> None:
-        """Displacements (p, 2) of the profile in z and y, entered where no line of the front view gives the height."""
-        rows = slice(len(moves) - len(profile), None)
-        moves[rows, 1] = np.where(self._height_given, np.nan, profile[:, 1])
-        moves[rows, 2] = profile[:, 0]
+    def _dragged(self, depth: np.ndarray, profile: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Displacements (h,) of the handles in depth, and in height beyond that of the lines, which keep theirs."""
+        depth, rise = depth.copy(), np.zeros(len(depth))
+        depth[-len(profile) :] = profile[:, 0]
+        rise[-len(profile) :] = np.where(self._height_given, np.nan, profile[:, 1])
+        return depth, rise
 
     def _follow(self, vertices: np.ndarray, moved: np.ndarray) -> None:
         """Parts of their own go where what they belong to went."""

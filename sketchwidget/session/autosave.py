@@ -25,8 +25,8 @@ class Autosave:
         self._path = path
         self._written: list[tuple[Event, str]] = []  # events and their lines, so that each is made once
 
-    def write(self, events: Sequence[Event]) -> None:
-        """Write these events in place of the former ones.
+    def write(self, events: Sequence[Event], inference: bool = True) -> None:
+        """Write these events, of a session that infers or not, in place of the former ones.
 
         Raises
         ------
@@ -39,4 +39,4 @@ class Autosave:
         while kept < min(len(events), len(self._written)) and self._written[kept][0] is events[kept]:
             kept += 1
         self._written[kept:] = [(event, file.line(event)) for event in events[kept:]]
-        textfile.write(self._path, file.joined([line for _, line in self._written]))
+        textfile.write(self._path, file.joined([line for _, line in self._written], inference))

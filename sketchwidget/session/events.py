@@ -52,7 +52,8 @@ class Draw(Event):
     view : str
         The view it is drawn in: "front", or "left" or "right" for the profile.
     mirror : bool
-        Whether its mirror image about the axis x = 0.5 is drawn with it.
+        Whether its mirror image is drawn with it: about the axis x = 0.5, in follow-up sketching about the middle of
+        the head.
 
     Raises
     ------

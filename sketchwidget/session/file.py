@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, NamedTuple
 
 from .events import Event, event_from_json
 
@@ -16,9 +16,16 @@ class SessionFileError(ValueError):
     """A session that cannot be read; the message says what is wrong, and where."""
 
 
-def dumps(events: Sequence[Event]) -> str:
-    """The text of a session with these events."""
-    return joined([line(event) for event in events])
+class Recorded(NamedTuple):
+    """What the text of a session holds: its events, and whether its drawings were inferred."""
+
+    events: list[Event]
+    inference: bool
+
+
+def dumps(events: Sequence[Event], inference: bool = True) -> str:
+    """The text of a session with these events, whose drawings are inferred or not."""
+    return joined([line(event) for event in events], inference)
 
 
 def line(event: Event) -> str:
@@ -26,13 +33,14 @@ def line(event: Event) -> str:
     return _compact(event.to_json())
 
 
-def joined(lines: Sequence[str]) -> str:
+def joined(lines: Sequence[str], inference: bool = True) -> str:
     """The text of a session with these lines."""
-    return "".join([_compact({"format": FORMAT, "version": VERSION, "events": len(lines)}), *lines])
+    header = {"format": FORMAT, "version": VERSION, "events": len(lines), "inference": inference}
+    return "".join([_compact(header), *lines])
 
 
-def loads(text: str) -> list[Event]:
-    """The events of a session's text.
+def loads(text: str) -> Recorded:
+    """What a session's text holds; one that does not say so was inferred.
 
     Raises
     ------
@@ -40,12 +48,12 @@ def loads(text: str) -> list[Event]:
         If the text is no session, cut short, of a newer version, or has a line that is no event.
     """
     header, *lines = text.removesuffix("\n").split("\n")
-    count = _event_count(_parsed(header, 1))
+    count, inference = _announced(_parsed(header, 1))
     if len(lines) != count:
         raise SessionFileError(
             f"the session has {len(lines)} events where its first line announces {count}: cut short?"
         )
-    return [_event(line, number) for number, line in enumerate(lines, start=2)]
+    return Recorded([_event(line, number) for number, line in enumerate(lines, start=2)], inference)
 
 
 def _compact(value: dict[str, Any]) -> str:
@@ -67,14 +75,17 @@ def _parsed(line: str, number: int) -> Any:
         raise SessionFileError(f"line {number} of the session is no JSON, or cut short: {error}") from error
 
 
-def _event_count(header: Any) -> int:
+def _announced(header: Any) -> tuple[int, bool]:
+    """How many events a session has, and whether it infers."""
     if not isinstance(header, dict) or header.get("format") != FORMAT:
         raise SessionFileError(f'this is no session: its first line has no "format": "{FORMAT}"')
-    version, count = header.get("version"), header.get("events")
+    version, count, inference = header.get("version"), header.get("events"), header.get("inference", True)
     if type(version) is not int or version < 1:
         raise SessionFileError(f"the version of the session is a positive number; given {version!r}")
     if version > VERSION:
         raise SessionFileError(f"the session is of version {version}; this sketchwidget reads up to version {VERSION}")
     if type(count) is not int or count < 0:
         raise SessionFileError(f'the "events" of the session\'s first line are a number; given {count!r}')
-    return count
+    if type(inference) is not bool:
+        raise SessionFileError(f'the "inference" of the session\'s first line is true or false; given {inference!r}')
+    return count, inference

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -12,10 +12,11 @@ from sketchwidget.face.drawing import editable
 from sketchwidget.face.handles import LINES
 from sketchwidget.geometry.view import View
 from sketchwidget.sketch import SILHOUETTE, UNNAMED, WRINKLE, Piece, Segment, Sketch
+from sketchwidget.sketch.crossing import swept
 from sketchwidget.sketch.erase import first_touched
 from sketchwidget.sketch.gap import Gap, GapError, closed, feature_gap, fill, outline_gap
 from sketchwidget.sketch.partner import follow, partner_of
-from sketchwidget.sketch.piece import handle_points, slid
+from sketchwidget.sketch.piece import handle_points, joined, slid
 
 from . import profile
 from .events import Cancel, Clear, Draw, Erase, Event
@@ -27,6 +28,7 @@ if TYPE_CHECKING:
     from .modeller import Modelled, Modeller
 
 _LEEWAY = 0.5  # mm by which handle points of the silhouette may be off its line
+_EARS = ("left_ear", "right_ear")
 _SIDES = {"left": "right", "right": "left"}
 
 
@@ -40,8 +42,8 @@ class Followup:
         The head whose lines are edited. It stays as it is until something is.
     lines : Sketch
         Its lines, and the wrinkles drawn before.
-    profile : (p, 2) array or None
-        Where the points of the profile were drawn, on the canvas of the left view; NaN for those that were not.
+    profile : Dragged or None
+        What was drawn of the profile.
     gap : Gap or None
         What was erased and must be drawn next.
     before : State or None
@@ -50,7 +52,7 @@ class Followup:
 
     start: Modelled
     lines: Sketch
-    profile: np.ndarray | None = None
+    profile: profile.Dragged | None = None
     gap: Gap | None = None
     before: State | None = None
 
@@ -86,9 +88,8 @@ class HandleTargets:
         for name in LINES:
             path = model.curves[name]
             targets[name] = self._in_head(self._targets(name, placed[path]))
-        return Face(
-            model, model.handles(vertices, targets, None if drawn is None else profile.in_head(drawn, self.frame))
-        )
+        moves = None if drawn is None else drawn.moves(vertices[model.handles.profile])
+        return Face(model, model.handles(vertices, targets, moves))
 
     def _in_head(self, points: np.ndarray) -> np.ndarray:
         """Canvas points (n, 2) as x and y in millimetres."""
@@ -161,12 +162,14 @@ def edited(state: State, event: Event, modeller: Modeller) -> State:
         raise ValueError("there are no lines to edit: enter the mode by session.mode or session.start_from_template()")
     match event:
         case Draw(points=points, view="front", mirror=mirror):
-            strokes = [points, _mirrored(points)] if mirror else [points]
+            middle = float(modeller.head(state).frame.centre[0])
+            strokes = [points, _mirrored(points, middle)] if mirror else [points]
             return _filled(state, followup, strokes) if followup.gap else _with_wrinkles(state, strokes)
         case Draw(points=points, view=view):
             if followup.gap is not None:
                 raise GapError(f"the erased part of the line {followup.gap.name} must be drawn first, or cancelled")
-            drawn = profile.dragged(followup.profile, modeller.head(state), points, view)
+            shown, lined = modeller.head(state), modeller.lined(state)
+            drawn = profile.dragged(followup.profile, shown, lined, points, view)
             return replace(state, followup=replace(followup, profile=drawn))
         case Erase(points=points, radius=radius):
             return _erased(state, followup, points, radius)
@@ -256,14 +259,32 @@ def _redrawn(before: Sketch, opened: Sketch, gap: Gap, stroke: np.ndarray) -> Sk
     kept = pieces_of(opened, gap.name)
     new = fill(gap, stroke)
     if gap.name == SILHOUETTE:
-        return _with_line(opened, SILHOUETTE, [closed(kept[0], new)])
+        outline = closed(kept[0], new)
+        _refuse_crossing(before, gap.erased, new)
+        return _with_line(opened, SILHOUETTE, [outline])
     line = sorted([*kept, new], key=lambda piece: piece.low)
     sketch = _with_line(opened, gap.name, line)
     partner = partner_of(gap.name)
+    former = pieces_of(before, gap.name)
+    _refuse_crossing(before, joined(former), joined(line))
     if partner is None:
         return sketch
-    return _with_line(sketch, partner, follow(pieces_of(opened, partner), pieces_of(before, gap.name), line))
+    beside = pieces_of(opened, partner)
+    following = follow(beside, former, line)
+    _refuse_crossing(before, joined(beside), joined(following))
+    return _with_line(sketch, partner, following)
 
 
-def _mirrored(points: Any) -> np.ndarray:
-    return np.stack([1 - points[:, 0], points[:, 1]], axis=1)
+def _refuse_crossing(before: Sketch, former: Piece, new: Piece) -> None:
+    """Raise a `GapError` if a line would pass over another one: the skin between them would fold."""
+    for name in LINES:
+        alone = {name, former.name} <= {SILHOUETTE, *_EARS} or name in (former.name, partner_of(former.name))
+        if not alone and any(swept(former.points, new.points, piece.points) for piece in pieces_of(before, name)):
+            passing, passed = (text.replace("_", " ") for text in (former.name, name))
+            raise GapError(
+                f"the gap cannot be closed so: the line {passing} would pass over the line {passed}; move that first"
+            )
+
+
+def _mirrored(points: np.ndarray, middle: float) -> np.ndarray:
+    return np.stack([2 * middle - points[:, 0], points[:, 1]], axis=1)

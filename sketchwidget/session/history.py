@@ -30,6 +30,7 @@ class History:
         self._modeller = modeller
         self._done: list[Event] = []
         self._undone: list[Event] = []
+        self._begins = 0  # the edits that are never taken back
         self._states = deque([State()], maxlen=KEPT_STATES + 1)
 
     @property
@@ -40,12 +41,16 @@ class History:
     @property
     def can_undo(self) -> bool:
         """Whether an edit can be taken back."""
-        return bool(self._done)
+        return len(self._done) > self._begins
 
     @property
     def can_redo(self) -> bool:
         """Whether an edit was taken back, and nothing done since."""
         return bool(self._undone)
+
+    def begin_here(self) -> None:
+        """No undo leads further back than to the present state."""
+        self._begins = len(self._done)
 
     def record(self, event: Event) -> bool:
         """Do what an event says.
@@ -86,7 +91,7 @@ class History:
         return {LEFT_ARROW: Undo(), RIGHT_ARROW: Redo()}.get(event.name or "", event)
 
     def _undo(self) -> bool:
-        if not self._done:
+        if not self.can_undo:
             return False
         self._undone.append(self._take_back())
         return True

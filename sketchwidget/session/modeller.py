@@ -80,6 +80,7 @@ class Modeller:
         self._model: FaceModel | None = None
         self._heads: deque[tuple[State, Modelled]] = deque(maxlen=_KEPT)
         self._below: tuple[State, Modelled] | None = None
+        self._inferred: tuple[Sketch, Modelled] | None = None
         self._deformations: deque[tuple[bytes, RegionDeformation]] = deque(maxlen=_KEPT)
 
     @cached_property
@@ -197,12 +198,25 @@ class Modeller:
             return replace(self.head(followup.before), names=_names(state.sketch))
         if followup is not None and followup.profile is None and state.sketch == followup.lines:
             return replace(followup.start, names=_names(state.sketch), timings={})
-        inferred = self.inferred(state.sketch)
-        if state.residual is not None:
-            inferred = state.residual.on(inferred)
+        inferred = self._unedited(state)
         if followup is None or not (_edited(state.sketch) or followup.profile is not None):
             return inferred
         return self._obeying(inferred, state.sketch, followup)
+
+    def lined(self, state: State) -> Modelled:
+        """The head that the lines of the front view alone give in follow-up sketching, without a drawn profile."""
+        assert state.followup is not None
+        return self._obeying(self._unedited(state), state.sketch, replace(state.followup, profile=None))
+
+    def _unedited(self, state: State) -> Modelled:
+        """The head below the edited lines; that of the last sketch is remembered, so that a profile infers nothing."""
+        sketch = state.sketch
+        if self._inferred is None or self._inferred[0] is not sketch:
+            inferred = self.inferred(sketch)
+            self._inferred = (sketch, replace(inferred, timings={}))
+        else:
+            inferred = self._inferred[1]
+        return inferred if state.residual is None else state.residual.on(inferred)
 
     def inferred(self, sketch: Sketch) -> Modelled:
         """The head that is inferred from a sketch; without inference, that of the template."""

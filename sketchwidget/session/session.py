@@ -126,6 +126,8 @@ class Session(HasTraits):
         self._autosave: Autosave | None = None
         if not inference:
             self.start_from_template()
+            self._history.begin_here()
+            self.set_trait("can_undo", self._history.can_undo)
 
     @property
     def inference(self) -> bool:
@@ -162,7 +164,8 @@ class Session(HasTraits):
         view : str
             The view it is drawn in: "front"; in follow-up sketching also "left" and "right", for the profile.
         mirror : bool
-            Whether to draw its mirror image about the axis x = 0.5 with it.
+            Whether to draw its mirror image with it: about the axis x = 0.5, in follow-up sketching about the middle of
+            the head.
 
         Raises
         ------
@@ -357,20 +360,29 @@ class Session(HasTraits):
 
     def dumps(self) -> str:
         """The session as text, from which `loads` replays it."""
-        return file.dumps(self._events)
+        return file.dumps(self._events, self.inference)
 
     @classmethod
-    def loads(cls, text: str, regressor: FaceRegressor | None = None, inference: bool = True) -> Self:
+    def loads(cls, text: str, regressor: FaceRegressor | None = None, inference: bool | None = None) -> Self:
         """Replay a session from its text.
+
+        Parameters
+        ----------
+        text : str
+        regressor : object with `infer(sketch) -> Inference`, optional
+            As for a new session.
+        inference : bool, optional
+            Whether the drawings are inferred; by default as they were in the session that was saved.
 
         Raises
         ------
         SessionFileError
             If the text is no session that can be replayed; the message says what is wrong, and where.
         """
-        session = cls(regressor, inference)
+        events, inferred = file.loads(text)
+        session = cls(regressor, inferred if inference is None else inference)
         started = perf_counter()
-        for number, event in enumerate(file.loads(text), start=2):
+        for number, event in enumerate(events, start=2):
             try:
                 session._record(event)
             except ValueError as error:
@@ -380,7 +392,7 @@ class Session(HasTraits):
 
     def another(self, text: str) -> Self:
         """Replay a session from its text as `loads` does, with the network and the model of this one."""
-        return type(self).loads(text, self.regressor if self.inference else self._modeller.given, self.inference)
+        return type(self).loads(text, self.regressor if self.inference else self._modeller.given)
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write the session to a file; a former file stays as it was if that fails."""
@@ -393,11 +405,13 @@ class Session(HasTraits):
         written is made all the same, and raises what `save` would.
         """
         self._autosave = Autosave(path)
-        self._autosave.write(self._events)
+        self._autosave.write(self._events, self.inference)
 
     @classmethod
-    def load(cls, path: str | os.PathLike[str], regressor: FaceRegressor | None = None, inference: bool = True) -> Self:
-        """Replay a session from its file.
+    def load(
+        cls, path: str | os.PathLike[str], regressor: FaceRegressor | None = None, inference: bool | None = None
+    ) -> Self:
+        """Replay a session from its file; parameters are those of `loads`.
 
         Raises
         ------
@@ -454,7 +468,7 @@ class Session(HasTraits):
         if changed:
             try:
                 if self._autosave is not None:
-                    self._autosave.write(self._events)
+                    self._autosave.write(self._events, self.inference)
             finally:
                 self._follow(started)
         return changed

@@ -3,11 +3,20 @@
 from __future__ import annotations
 
 import numpy as np
+from skimage.measure import points_in_poly
 
 
 def cross(one: np.ndarray, other: np.ndarray) -> bool:
     """Whether two polylines (n, 2) and (m, 2) cross."""
     return bool(_crossings(one, other)[0].any())
+
+
+def swept(former: np.ndarray, new: np.ndarray, other: np.ndarray) -> bool:
+    """Whether a polyline that goes from a former place (n, 2) to a new one (m, 2) passes over another line (k, 2).
+
+    A point of the other line that lies between the two is passed over.
+    """
+    return bool(points_in_poly(other, np.concatenate([former, new[::-1]])).any())
 
 
 def without_loops(line: np.ndarray) -> np.ndarray:

@@ -1,6 +1,6 @@
 /* Pointer input and wet ink on an ipycanvas MultiCanvas.
  *
- * Model   canvas: "IPY_MODEL_<id>" of the MultiCanvas; tool: 0 pen, 1 eraser; mirror; colour; line_width and radius in canvas
+ * Model   canvas: "IPY_MODEL_<id>" of the MultiCanvas; tool: 0 pen, 1 eraser; mirror, about x = middle; colour; line_width and radius in canvas
  *         units (the canvas is the unit square, y down); invitation: words shown on the empty pad; live: whether the pen's
  *         stroke is sent while it is drawn; pieces: polylines [x, y, x, y, …] of which the eraser takes the nearest one whole:
  *         it is marked while the eraser hovers over it.
@@ -129,7 +129,10 @@ async function render({ model, el }) {
     layer.ctx.save();
     style(layer.ctx, one.tool);
     trace(layer.ctx, points, wet.canvas.width);
-    if (one.mirror) trace(layer.ctx, points.map(([x, y]) => [1 - x, y]), wet.canvas.width);
+    if (one.mirror) {
+      const middle = model.get("middle");
+      trace(layer.ctx, points.map(([x, y]) => [2 * middle - x, y]), wet.canvas.width);
+    }
     layer.ctx.restore();
     return kept.length;
   }
@@ -284,6 +287,7 @@ async function render({ model, el }) {
     mark(-1, -1);
     pad.classList.toggle("sketchwidget-erasing", model.get("tool") === 1);
     pad.classList.toggle("sketchwidget-mirrored", model.get("mirror"));
+    pad.style.setProperty("--sw-middle", `${100 * model.get("middle")}%`);
     ring.style.width = ring.style.height = `${200 * model.get("radius")}%`;
   }
 
@@ -296,7 +300,7 @@ async function render({ model, el }) {
   pad.addEventListener("pointercancel", cancel);
   model.on("msg:custom", answer);
   model.on("change:invitation", showWords);
-  model.on("change:tool change:mirror change:radius change:pieces", showTool);
+  model.on("change:tool change:mirror change:middle change:radius change:pieces", showTool);
   window.addEventListener("resize", fit);
   const sizes = new ResizeObserver(fit);
   sizes.observe(pad);
@@ -309,7 +313,7 @@ async function render({ model, el }) {
     window.removeEventListener("resize", fit);
     model.off("msg:custom", answer);
     model.off("change:invitation", showWords);
-    model.off("change:tool change:mirror change:radius change:pieces", showTool);
+    model.off("change:tool change:mirror change:middle change:radius change:pieces", showTool);
     view.remove();
   };
 }

@@ -32,6 +32,7 @@ class Ink(anywidget.AnyWidget):
     canvas = traitlets.Instance(MultiCanvas).tag(sync=True, **widget_serialization)
     tool = traitlets.Int(0, min=0, max=len(TOOLS) - 1, help="index into TOOLS").tag(sync=True)
     mirror = traitlets.Bool(False, help="draw each stroke on both sides").tag(sync=True)
+    middle = traitlets.Float(0.5, help="x of the axis of mirrored strokes, in canvas units").tag(sync=True)
     colour = traitlets.Unicode("#444444", help="of the wet ink").tag(sync=True)
     line_width = traitlets.Float(0.005, help="of the wet ink, in canvas units").tag(sync=True)
     radius = traitlets.Float(0.02, help="of the eraser, in canvas units").tag(sync=True)

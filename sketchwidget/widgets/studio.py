@@ -193,7 +193,9 @@ class Studio(VBox):
             self._pad.show(Sketch((Segment(SILHOUETTE, session.profile(self._side)),)))
             return
         ghost = self._drawn.sketch(wrinkles=False, view=session.frame) if self._ghost.value else None
-        self._pad.show(session.sketch, ghost, session.gap, by_piece=session.mode == "followup")
+        edited = session.mode == "followup"
+        self._pad.widget.middle = float(session.frame.centre[0]) if edited else 0.5
+        self._pad.show(session.sketch, ghost, session.gap, by_piece=edited)
 
     @property
     def _expected(self) -> str:

@@ -11,17 +11,21 @@ HEADER = {"format": "sketchwidget session", "version": 1, "events": 0}
 
 def test_a_session_is_a_header_and_an_event_a_line():
     header, *lines = dumps(EVENTS).splitlines()
-    assert json.loads(header) == {"format": "sketchwidget session", "version": 1, "events": 4}
+    assert json.loads(header) == {"format": "sketchwidget session", "version": 1, "events": 4, "inference": True}
     assert [json.loads(line)["event"] for line in lines] == ["draw", "erase", "undo", "clear"]
 
 
 def test_what_is_written_is_read():
-    assert loads(dumps(EVENTS)) == EVENTS
-    assert loads(dumps([])) == []
+    assert loads(dumps(EVENTS)) == (EVENTS, True)
+    assert loads(dumps([], inference=False)) == ([], False)
 
 
 def test_lines_may_end_as_on_windows():
-    assert loads(dumps(EVENTS).replace("\n", "\r\n")) == EVENTS
+    assert loads(dumps(EVENTS).replace("\n", "\r\n")).events == EVENTS
+
+
+def test_a_file_that_does_not_say_so_was_inferred():
+    assert loads(dumps(EVENTS).replace(',"inference":true', "", 1)) == (EVENTS, True)
 
 
 def test_a_session_cut_short_anywhere_is_an_error():
