@@ -117,9 +117,19 @@ def entered(state: State, modeller: Modeller) -> State:
     """The state in which the lines of the head on show are edited.
 
     The projected lines take the place of silhouette and features; drawn wrinkles stay, and so do lines that were edited
-    before and not touched since.
+    before and not touched since. Of a line that was drawn again by hand, the head has the newer one.
     """
     shown = modeller.head(state)
+    by_hand = {
+        name
+        for name, segment in zip(shown.names, state.sketch.segments, strict=True)
+        if name != WRINKLE and not isinstance(segment, Piece)
+    }
+    newer = tuple(one for one in state.sketch.segments if not (isinstance(one, Piece) and one.name in by_hand))
+    if len(newer) < len(state.sketch):
+        state = replace(state, sketch=Sketch(newer))
+        shown = modeller.head(state)
+    _ = modeller.model.handles  # so that the first edit does not wait for them
     face = shown.layers.drawn
     kept = _whole_lines(state.sketch, face)
     if len(kept) == len(LINES) and all(segment.name != UNNAMED for segment in state.sketch.segments):
@@ -138,6 +148,7 @@ def from_template(modeller: Modeller) -> State:
     from .modeller import Modelled
 
     face = modeller.model.face()
+    _ = modeller.model.handles  # so that the first edit does not wait for them
     sketch = editable(face.model.template, face.vertices, View())
     start = Modelled.of(face, View(), sketch)
     return State("followup", sketch, Followup(start, sketch))

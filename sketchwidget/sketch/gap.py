@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from scipy.ndimage import gaussian_filter1d
 from scipy.spatial import KDTree
 
 from .crossing import cross, without_loops
@@ -22,6 +23,7 @@ _TANGENT = 0.015  # canvas units of a line that tell its direction at an open en
 _OVERSHOOT = 0.4  # of a stroke, from each end, that may run past the open end
 _FARTHEST = 0.2  # canvas units from the gap: such a stroke means something else
 _SHORTEST = 0.3  # of the way from end to end
+_TREMOR = 0.004  # canvas units: a stroke is measured without what trembles by less
 _LONGEST = 4.0  # times the erased line, or that way
 _LEAST_OUTLINE = 0.1  # of the silhouette must stay
 
@@ -189,7 +191,7 @@ def _plain(gap: Gap, stroke: np.ndarray, start: np.ndarray, end: np.ndarray) -> 
     chord = float(np.linalg.norm(end - start))
     if arc_length(stroke)[-1] < max(0.2 * chord, 2e-3):
         raise GapError("a dot closes no gap: draw the erased line from one end to the other")
-    if arc_length(stroke)[-1] > _LONGEST * max(float(arc_length(gap.erased.points)[-1]), chord):
+    if _steady_length(stroke) > _LONGEST * max(float(arc_length(gap.erased.points)[-1]), chord):
         raise GapError("the stroke is far longer than the gap: draw the erased line once, from one end to the other")
     line = without_loops(resample(stroke, _STROKE_POINTS).astype(np.float64))
     if min(KDTree(gap.erased.points).query(line)[0]) > _FARTHEST:
@@ -205,6 +207,13 @@ def _plain(gap: Gap, stroke: np.ndarray, start: np.ndarray, end: np.ndarray) -> 
     if len(line) < 3 or np.linalg.norm(line[-1] - line[0]) < _SHORTEST * chord:
         raise GapError("a loop or a short stroke closes no gap: draw the erased line from one end to the other")
     return resample(line, _STROKE_POINTS).astype(np.float64)
+
+
+def _steady_length(stroke: np.ndarray) -> float:
+    """The length of a stroke (n, 2) that a steady hand would have drawn."""
+    length = float(arc_length(stroke)[-1])
+    even = resample(stroke, 2 + int(min(length, 100.0) / _TREMOR * 2)).astype(np.float64)
+    return float(arc_length(gaussian_filter1d(even, 4.0, axis=0, mode="nearest"))[-1])
 
 
 def _cut(line: np.ndarray, end: np.ndarray) -> np.ndarray:

@@ -36,6 +36,17 @@ class WrinkleCounter:
         return SimpleNamespace(face=self.model.face(identity), frame=View(), names=names, timings={})
 
 
+class NamesBrow:
+    """Infers the heads of another regressor, and takes what has no name for the left brow."""
+
+    def __init__(self, other):
+        self.other, self.model = other, other.model
+
+    def infer(self, sketch):
+        names = ["left_brow" if segment.name == "unnamed" else segment.name for segment in sketch.segments]
+        return self.other.infer(sketch.renamed(names))
+
+
 class Elsewhere:
     """Infers the heads of another regressor, beside the middle of the canvas."""
 
@@ -314,6 +325,28 @@ def test_lines_that_initial_mode_leaves_alone_stay_as_they_were_drawn(session):
     assert all(np.array_equal(a, b) for a, b in zip(raised, session.sketch.lines["left_brow"], strict=True))
     assert all(isinstance(segment, Piece) for segment in session.sketch.segments)
     assert strayed(session) < NEAR
+
+
+def test_a_line_drawn_again_by_hand_is_the_newer_one(session):
+    points = erase_feature(session, "left_brow")
+    session.draw(points - np.array([0, 0.03], dtype=np.float32))
+    raised = session.face.curve("left_brow")[:, 1]
+    session.mode = "initial"
+    session._modeller._regressor = NamesBrow(session.regressor)
+    session.draw(points)
+    session.mode = "followup"
+    session._modeller._regressor = session.regressor.other
+    assert (session.face.curve("left_brow")[:, 1] < raised - 2).any()
+    assert [segment.name for segment in session.sketch.segments].count("left_brow") == 2
+
+
+@pytest.mark.parametrize("name", ["left_eye_lower", "nose", "left_brow"])
+def test_a_trembling_hand_is_not_too_long(session, name):
+    for _ in range(len(session.sketch.lines[name])):
+        erase_feature(session, name)
+    line = resample(session.gap.erased.points, 200)
+    session.draw(line + np.random.default_rng(1).normal(0, 0.0015, line.shape))
+    assert session.gap is None
 
 
 # -- side views -------------------------------------------------------------------------------------------------------
