@@ -79,7 +79,7 @@ def main() -> None:
         face = sw.Face(regressor.model, database[int(number)].vertices)
         plain = Session(regressor, inference=False)
         redraw(plain, face)
-        inferred = Session.loads(plain.dumps(), regressor)
+        inferred = Session.loads(plain.dumps(), regressor, inference=True)
         heads = [regressor.model.face(), regressor.predict(inferred.sketch), plain.face, inferred.face]
         rows.append([_errors(head.vertices[skin], face.vertices[skin]) for head in heads])
         if len(pictures) < _SHOWN:
