@@ -1,6 +1,6 @@
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
-.PHONY: help studio test lint bench binder browser clean
+.PHONY: help studio test lint bench binder docs browser clean
 
 HOST ?= 127.0.0.1
 PORT ?= 8888
@@ -34,6 +34,9 @@ bench: browser ## measure the figures of benchmarks/RESULTS.md on this machine; 
 binder: ## build Binder's environment in a fresh folder and try it; the folder goes again
 	"$(PYTHON)" binder/check.py
 
+docs: $(VENV)/docs.stamp ## build the documentation into build/site, and check its links
+	$(BIN)/python docs/build_site.py
+
 browser: $(VENV)/test.stamp
 	@sh scripts/browser.sh $(BIN)/python
 
@@ -60,4 +63,8 @@ $(VENV)/studio.stamp: $(VENV)/torch.stamp pyproject.toml
 
 $(VENV)/test.stamp: $(VENV)/torch.stamp pyproject.toml
 	$(PIP) install --editable ".[notebooks,database,test]"
+	@touch $@ $(VENV)/studio.stamp
+
+$(VENV)/docs.stamp: $(VENV)/torch.stamp pyproject.toml
+	$(PIP) install --editable ".[notebooks,database,docs]"
 	@touch $@ $(VENV)/studio.stamp
