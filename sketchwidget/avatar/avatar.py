@@ -116,13 +116,22 @@ class Avatar:
             Animations to put in; by default the ready ones.
         """
         ready = performances().values() if tracks is None else tracks
+        animations = [WeightTrack(track.name, track.times, track.weights) for track in ready]
+        return write_glb(self._meshes, self.jpeg, "image/jpeg", animations)
+
+    def to_bytes(self, suffix: str) -> bytes:
+        """The file that the head is exported as: "glb" as `to_glb` has it, all others are of the shape alone."""
+        return self.to_glb() if suffix == "glb" else self.face.to_bytes(suffix)
+
+    @cached_property
+    def jpeg(self) -> bytes:
+        """The texture as a JPEG file."""
         encoded, jpeg = cv2.imencode(
             ".jpg", cv2.cvtColor(self.texture, cv2.COLOR_RGB2BGR), [cv2.IMWRITE_JPEG_QUALITY, _JPEG_QUALITY]
         )
         if not encoded:
             raise ValueError(f"the texture {self.texture.shape} cannot be encoded")
-        animations = [WeightTrack(track.name, track.times, track.weights) for track in ready]
-        return write_glb(self._meshes, jpeg.tobytes(), "image/jpeg", animations)
+        return jpeg.tobytes()
 
     def export(self, path: str | os.PathLike[str]) -> None:
         """Write the head to a ``.glb`` file with the ready performances; see `to_glb`.

@@ -32,6 +32,7 @@ from .template import AvatarTemplate
 from .texture import TextureBaker
 
 Transform = Callable[[np.ndarray], np.ndarray]
+Report = Callable[[str, float, "np.ndarray | None"], None]
 
 _SIDE = 512  # pixels of the square about the face that is worked on
 _TEXTURE_SIDE = 1024
@@ -75,6 +76,7 @@ def build(
     detector: FaceDetector | None = None,
     face: int | None = None,
     network: PortraitNetwork | None = None,
+    report: Report | None = None,
 ) -> Avatar:
     """An animatable cartoon head from one portrait.
 
@@ -95,6 +97,10 @@ def build(
         Which one if there are several, counted from the left.
     network : PortraitNetwork, optional
         Gives the fit its first guess, as `sketchwidget train portraits` trains one; by default it is the mean face.
+    report : callable, optional
+        Called as ``report(stage, milliseconds, result)`` after each stage: "landmarks" with (68, 2) pixels,
+        "stylize" with the cartoon, "coarse" and "fine" with (V, 3) vertices as the picture shows them, "texture" with
+        the texture; "mask" and "rig" with None.
 
     Returns
     -------
@@ -107,7 +113,7 @@ def build(
         missing and no landmarks are given; if the picture or the landmarks are no such thing. Each message tells what
         to do.
     """
-    clock = _Clock()
+    clock = _Clock(report)
     picture = load_picture(image)
     # Arrays that were made smaller have landmarks, too, in the pixels that were given.
     larger = image.shape[1] / picture.shape[1] if isinstance(image, np.ndarray) else 1.0
@@ -116,6 +122,7 @@ def build(
         landmarks = given.moved(lambda points: points / larger)
     with clock("landmarks"):
         marks = _marks(picture, landmarks, detector, face)
+    clock.tell(marks.points * larger)
     tools = _shipped() if model is None else _Tools.of(model)
     threads = torch.get_num_threads()
     torch.set_num_threads(1)  # small tensors: several threads wait for each other
@@ -144,23 +151,29 @@ def _built(
             stylized = (drawn if stylize is True else stylize)(square, marks)
         square, marks, back = stylized.image, stylized.marks.snapped(), stylized.back
         stages["cartoon"] = square
+        clock.tell(square)
     with clock("mask"):
         person = _person(square, marks)
+    clock.tell()
     refine = tools.model.template.subdivision
     with clock("coarse"):
         oval = face_oval(marks.points, square.shape[:2])
         start = None if network is None else network.predict(square, tools.coarse)
         fit = tools.coarse.fit(square, marks.points, person * oval, start)
+    clock.tell(refine @ fit.vertices)
     with clock("fine"):
         posed = tools.fine.fit(fit, marks)
         rest = tools.coarse.coarse(fit.identity, _neutral(tools.model))
         neutral = tools.fine.neutral(posed, fit.vertices, rest)
+    clock.tell(refine @ posed)
     with clock("rig"):
         rig, eyes = tools.rig(neutral, fit_eyeballs(tools.model, refine @ neutral, refine @ rest))
+    clock.tell()
     with clock("texture"):
         aligned = refine @ posed
         shown = _with_eyes(aligned, fit_eyeballs(tools.model, aligned, refine @ fit.vertices))
         texture = tools.texture(square, person, fit, shown, eyes, marks)
+    clock.tell(texture)
     landmarks = fit.camera.project(shown[tools.model.landmarks])
     if back is not None:
         landmarks = back(landmarks)
@@ -265,10 +278,17 @@ def _with_eyes(head: np.ndarray, eyes: list[Eyeball]) -> np.ndarray:
 
 
 class _Clock:
-    """Milliseconds of the stages."""
+    """Milliseconds of the stages, and who wants to know what came of them."""
 
-    def __init__(self) -> None:
+    def __init__(self, report: Report | None) -> None:
         self.milliseconds: dict[str, float] = {}
+        self._report = report
+
+    def tell(self, result: np.ndarray | None = None) -> None:
+        """Report what came of the last stage."""
+        if self._report is not None:
+            name, spent = list(self.milliseconds.items())[-1]
+            self._report(name, spent, result)
 
     @contextmanager
     def __call__(self, stage: str) -> Iterator[None]:

@@ -12,7 +12,7 @@ from ..face.template import PARTS
 
 SIDES = ("left", "right")
 # Degrees at full weight; the sign of pitch is upwards, that of yaw towards the subject's left.
-_UP, _DOWN, _ASIDE = 24.0, 28.0, 30.0
+TURNS = _UP, _DOWN, _ASIDE = 24.0, 28.0, 30.0
 
 
 @dataclass(frozen=True, eq=False)

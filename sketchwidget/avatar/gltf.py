@@ -12,7 +12,7 @@ import numpy as np
 
 _FLOAT, _UINT = 5126, 5125
 _VERTICES, _INDICES = 34962, 34963  # what a buffer view is for
-_STILL = 5e-6  # metres: what a target moves by less is left out of it
+_GRID = 2**15  # to the metre: targets are rounded to 0.03 mm, so that files compress to a third
 
 
 @dataclass(frozen=True, eq=False)
@@ -161,8 +161,8 @@ class _Writer:
 
     def sparse(self, moved: np.ndarray) -> int:
         """Displacements (n, 3), most of them zero; an accessor must name some, so one that does nothing names one."""
-        moved = np.asarray(moved, dtype=np.float32)
-        moving = np.flatnonzero(np.abs(moved).max(axis=1) > _STILL)
+        moved = (np.rint(np.asarray(moved, dtype=np.float64) * _GRID) / _GRID).astype(np.float32)
+        moving = np.flatnonzero(moved.any(axis=1))
         if not len(moving):
             moving = np.array([0])
         values = moved[moving]
