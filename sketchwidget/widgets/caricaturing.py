@@ -63,6 +63,7 @@ class Caricaturing:
     """
 
     name = "caricature"
+    skin = None  # of clay
 
     def __init__(
         self,
@@ -88,6 +89,11 @@ class Caricaturing:
         views = toolbar.bar((pose,)).add_class("sketchwidget-views")
         self.bar = HBox([views, toolbar.bar((self._take,))])
         marking.on_change(self._on_marks)
+
+    @property
+    def exported(self) -> Face | None:
+        """What is exported while the tab is on show."""
+        return self.face
 
     @property
     def expected(self) -> str:

@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from ..face import Face
 from ..session import Session
 from . import toolbar
 from .download import Downloads
 from .status import Status
+
+if TYPE_CHECKING:
+    from ..avatar import Avatar
 
 EXPORTS = {"obj": "model/obj", "glb": "model/gltf-binary"}
 SESSION_NAME, SESSION_TYPE = "drawing.jsonl", "application/jsonl"
@@ -39,7 +42,7 @@ class Files:
         self,
         session_of: Callable[[], Session],
         show: Callable[[Session], None],
-        face_of: Callable[[], Face],
+        face_of: Callable[[], Face | Avatar],
         status: Status,
     ) -> None:
         self._session_of, self._show_session, self._face_of, self._status = session_of, show, face_of, status

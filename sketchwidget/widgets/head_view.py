@@ -7,7 +7,7 @@ import pythreejs as three
 
 from ..face import Face
 from ..geometry import View
-from .mesh_stream import MeshStream
+from .mesh_stream import MeshStream, Skin
 
 CAMERA_DISTANCE = 1000  # mm; an orthographic picture does not depend on it, the lights' directions below do
 
@@ -21,6 +21,8 @@ LIGHTS = (
     ("#ffffff", 0.42, (0.55, 0.50, -0.75)),  # rim, from behind, drawing the outline of the dark side
 )
 SKY, GROUND, AMBIENT = "#f7f8fc", "#9c8d86", 0.44  # light from all around, paler above
+
+TEXTURED_AMBIENT, TEXTURED = 0.85, 0.35  # a texture has light of its own: more from all around, the others that share
 
 
 class HeadView:
@@ -60,7 +62,9 @@ class HeadView:
             -125, 125, 125, -125, near=1, far=2 * CAMERA_DISTANCE, position=position.tolist(), children=_lights()
         )
         ambient = three.HemisphereLight(SKY, GROUND)
-        ambient.intensity = AMBIENT
+        self._lights = {ambient: (AMBIENT, TEXTURED_AMBIENT)}
+        self._lights |= {light: (light.intensity, TEXTURED * light.intensity) for light in camera.children}
+        self._light(False)
         low, high = ZOOM if turnable else (1.0, 1.0)
         scene = three.Scene(children=[mesh, camera, ambient], background=None)
         renderer = three.Renderer(
@@ -72,8 +76,22 @@ class HeadView:
             clearOpacity=0.0,
             background_opacity=0.0,
         )
-        self.widget = MeshStream(renderer=renderer, geometry=geometry)
-        self.widget.on_ready(self._send)
+        swatch = three.DataTexture(np.full((1, 1, 4), 255, dtype=np.uint8))
+        self._skin: Skin | None = None
+        self.widget = MeshStream(renderer=renderer, geometry=geometry, material=clay, swatch=swatch)
+        self.widget.on_ready(self._send_all)
+
+    @property
+    def geometry(self) -> three.BufferGeometry:
+        """Of the head on show."""
+        return self.widget.geometry
+
+    def dress(self, skin: Skin | None) -> None:
+        """Show heads with a texture, or of clay again; nothing is sent if they have it already."""
+        if skin is not self._skin:
+            self._skin = skin
+            self._light(skin is not None)
+            self.widget.send_skin(skin)
 
     def show(self, face: Face, frame: View, passing: bool = False) -> None:
         """Show another face, standing where ``frame`` has it on the canvas; nothing is sent if it does already.
@@ -91,6 +109,15 @@ class HeadView:
     def look_from(self, direction: np.ndarray) -> None:
         """Turn until it is seen from a direction (3,), upright."""
         self.widget.look(direction)
+
+    def _light(self, textured: bool) -> None:
+        for light, intensities in self._lights.items():
+            light.intensity = intensities[textured]
+
+    def _send_all(self) -> None:
+        if self._skin is not None:
+            self.widget.send_skin(self._skin)
+        self._send()
 
     def _send(self, passing: bool = False) -> None:
         self.widget.send_positions(self._face.vertices, self._frame.scale, self._frame.centre, passing)

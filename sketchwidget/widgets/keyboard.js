@@ -33,8 +33,8 @@ function render({ model, el }) {
     const studio = el.closest(STUDIO);
     if (!studio || typing() || studioMeant() !== studio) return;
     const selector = model.get("bindings")[combination(event)];
-    const button = selector && studio.querySelector(selector);
-    if (!button?.offsetParent) return; // none, or one that is not on show
+    const button = selector && [...studio.querySelectorAll(selector)].find((made) => made.offsetParent);
+    if (!button) return; // none, or one that is not on show
     event.preventDefault();
     event.stopImmediatePropagation();
     button.click();

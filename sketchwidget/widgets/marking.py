@@ -11,13 +11,15 @@ from ipywidgets import CallbackDispatcher
 
 from ..caricature.three_points import COUNT, landmarks_from
 from ..face import FaceModel
-from ..portrait import FaceDetector, load_picture
+from ..portrait import FaceDetector, FaceLandmarks, load_picture
+from ..portrait.landmarks import EYES
 from ..portrait.mediapipe import MediaPipeDetector
-from ..portrait.models import missing
+from ..portrait.models import DOWNLOAD_MB, fetch, missing
 from . import toolbar
 from .picture_pad import PicturePad
 from .status import Status, sentence
 from .steps import Steps
+from .worker import Worker
 
 ACCEPTED = "image/*,.tif,.tiff,.webp"
 INVITATION = "Open a picture of a face"
@@ -47,15 +49,33 @@ class Marked:
     picture : (H, W, 3) uint8 array or None
     points : (n, 2) array
         Pixels: the 68 landmarks, or fewer than three clicks.
+    faces : (k, 4) array
+        Boxes of the faces that were found, from the left.
+    found : FaceLandmarks, optional
+        What was found of the face that is marked.
     """
 
     picture: np.ndarray | None = None
     points: np.ndarray = field(default_factory=lambda: np.empty((0, 2)))
+    faces: np.ndarray = field(default_factory=lambda: np.empty((0, 4)))
+    found: FaceLandmarks | None = None
 
     @property
     def landmarks(self) -> np.ndarray | None:
         """The landmarks (68, 2), once there are all."""
         return self.points if len(self.points) > COUNT else None
+
+    @property
+    def marks(self) -> FaceLandmarks | None:
+        """The landmarks with what was found of the eyes, where these were not corrected by hand."""
+        if self.landmarks is None:
+            return None
+        if self.found is None:
+            return FaceLandmarks(self.landmarks)
+        kept = {side for side, eye in EYES.items() if np.array_equal(self.points[eye], self.found.points[eye])}
+        eyelids = {side: contour for side, contour in self.found.eyelids.items() if side in kept}
+        irises = {side: iris for side, iris in self.found.irises.items() if side in kept}
+        return FaceLandmarks(self.landmarks, eyelids, irises, self.found.score)
 
 
 class Marking:
@@ -81,7 +101,12 @@ class Marking:
         self.pad = PicturePad(invitation=INVITATION)
         opening = toolbar.picker("picture", ACCEPTED)
         opening.observe(self._on_file, "value")
-        self.bar = toolbar.bar((opening,))
+        self._another, self._models = toolbar.button("another"), toolbar.button("models")
+        self._another.on_click(lambda _: self._on_another())
+        self._models.on_click(lambda _: self._on_models())
+        self._fetching: Worker[None] = Worker(self._on_fetched, self._on_not_fetched)
+        self.bar = toolbar.bar((opening, self._another, self._models))
+        self._show_buttons()
         self.pad.on_move(self._on_move)
         self.pad.on_click(self._on_click)
 
@@ -121,9 +146,8 @@ class Marking:
         ValueError, FileNotFoundError
             If it is no picture; what was there stays.
         """
-        picture = load_picture(source)
-        points, found = self._found(picture)
-        self._go_to(Marked(picture, points), f"{name} is open. {found}")
+        marked, found = self._looked(load_picture(source))
+        self._go_to(marked, f"{name} is open. {found}")
 
     def place(self, points: np.ndarray) -> None:
         """Mark landmarks (68, 2) on the picture."""
@@ -166,11 +190,17 @@ class Marking:
             self.pad.look_at(known)
         self.pad.clickable = marked.picture is not None and known is None
         self.pad.show_points(marked.points, () if known is None else LINES)
+        self._show_buttons()
         self._change_callbacks(marked, True)
 
-    def _found(self, picture: np.ndarray) -> tuple[np.ndarray, str]:
-        """Landmarks, or none, and what to say of them."""
-        nothing = np.empty((0, 2))
+    def _show_buttons(self) -> None:
+        """Show those that would do something."""
+        self._another.layout.display = None if len(self.present.faces) > 1 else "none"
+        self._models.layout.display = None if self._detector is None and missing() else "none"
+
+    def _looked(self, picture: np.ndarray, number: int | None = None) -> tuple[Marked, str]:
+        """A picture with the marks of its largest face, or of one by its number from the left, and what to say."""
+        nothing = Marked(picture)
         if self._detector is None and missing():
             return nothing, "The models that find faces are not here (`sketchwidget models`)."
         detector = self._detector or MediaPipeDetector()
@@ -178,9 +208,13 @@ class Marking:
             boxes = detector.faces(picture)
             if not len(boxes):
                 return nothing, "No face was found in it."
-            return detector.landmarks(picture, boxes[0]).points, "A face was found."
+            faces = boxes[np.argsort(boxes[:, 0], kind="stable")]
+            box = boxes[0] if number is None else faces[number % len(faces)]
+            found = detector.landmarks(picture, box)
         except ValueError as error:  # a damaged model is no reason to do without the picture
             return nothing, sentence(error)
+        said = "A face was found." if len(faces) == 1 else f"{len(faces)} faces were found: W is for another one."
+        return Marked(picture, found.points, faces, found), said
 
     # -- what the user does --------------------------------------------------------------------------------------------
 
@@ -191,6 +225,35 @@ class Marking:
         change["owner"].value = ()  # so that the same file can be picked again
         with self._status.reporting(f"{file.name} was not opened, all is as it was"):
             self.open(bytes(file.content), file.name)
+
+    def _on_another(self) -> None:
+        """Mark the next face from the left."""
+        marked = self.present
+        if marked.picture is None or len(marked.faces) < 2:
+            return
+        with self._status.reporting("The other face could not be marked"):
+            middle = np.zeros(2) if marked.found is None else marked.found.points.mean(axis=0)
+            centres = marked.faces[:, :2] + marked.faces[:, 2:] / 2
+            now = int(np.linalg.norm(centres - middle, axis=1).argmin())
+            looked, _ = self._looked(marked.picture, now + 1)
+            self._go_to(looked, f"This is face {(now + 1) % len(marked.faces) + 1} of {len(marked.faces)}.")
+
+    def _on_models(self) -> None:
+        self._status.say(f"The models that find faces are fetched, {DOWNLOAD_MB} MB through pip …")
+        self._fetching.do(lambda _: fetch())
+
+    def _on_fetched(self, _: None) -> None:
+        picture, points = self.present.picture, self.present.points
+        self._show_buttons()
+        happened = "The models that find faces are here."
+        if picture is None or len(points):
+            self._status.say(happened, self.expected)
+        else:
+            looked, found = self._looked(picture)
+            self._go_to(looked, f"{happened} {found}")
+
+    def _on_not_fetched(self, error: Exception) -> None:
+        self._status.fail(f"The models were not fetched, click three points instead: {sentence(error)}")
 
     def _on_click(self, place: np.ndarray) -> None:
         if self.present.picture is None or self.present.landmarks is not None:

@@ -1,12 +1,16 @@
 /* Positions streamed into a pythreejs BufferGeometry, a whole frame at a time, and the camera that looks at it.
  *
- * Model   renderer, geometry: "IPY_MODEL_<id>" of the pythreejs Renderer (orthographic camera, orbit controls) and geometry.
+ * Model   renderer, geometry, material, swatch: "IPY_MODEL_<id>" of the pythreejs Renderer (orthographic camera, orbit
+ *         controls), of the mesh's geometry and material, and of any DataTexture, the class of which textures are made.
  * Sends   {type: "ready"} when the page can take positions.
  * Takes   {type: "mesh", serial, passing, scale, centre: [x, y]} with one buffer: Float32 (V, 3), millimetres. `scale` (canvas units a
  *         millimetre) and `centre` place the head's origin on the unit square that the view shows, y down; a passing one
  *         counts only while a pad on the page has the class "sketchwidget-drawing";
  *         {type: "look", direction: [x, y, z]}: turn until the camera looks from there, zoom and shift undone.
- * Events  on the view's element, bubbling: "sketchwidget:frame" {detail: {serial, drawn}} after a mesh is rendered. That
+ *         {type: "skin"} with two buffers: Float32 (V, 2), places in a texture, v upwards, and an image file: shown on the mesh
+ *         in place of the colours of its vertices; without buffers, these again.
+ * Events  on the geometry "sketchwidget:posed", from another widget that has written its positions: they are shown;
+ *         on the view's element, bubbling: "sketchwidget:frame" {detail: {serial, drawn}} after a mesh is rendered. That
  *         element has a property `sketchwidget` = {geometry, camera, serial}, the three.js objects on show.
  *
  * Positions are written in place, normals computed, the camera's frame set and everything rendered in one animation frame, so
@@ -15,6 +19,8 @@
 
 const DISTANCE = 1000; // of the camera in millimetres; an orthographic picture does not depend on it
 const TURN = 260; // milliseconds that a change of view takes
+
+const [NO_COLOURS, VERTEX_COLOURS, LINEAR, LINEAR_MIPMAPS] = [0, 2, 1006, 1008]; // three.js's own numbers
 
 const resolve = (model, name) => model.widget_manager.get_model(model.get(name).slice("IPY_MODEL_".length));
 
@@ -25,17 +31,58 @@ function angles({ x, y, z }) {
 
 export default () => {
   const views = new Set();
-  let geometry, camera, controls; // three.js
+  let geometry, camera, controls, material, DataTexture; // three.js
+  let skins = 0;
   let pending = null;
   let serial = 0;
   let frame = 0;
 
+  const floats = (buffer) => new Float32Array(buffer.buffer.slice(buffer.byteOffset, buffer.byteOffset + buffer.byteLength));
+
   function setPositions(buffer) {
-    const position = geometry.getAttribute("position");
-    position.array.set(new Float32Array(buffer.buffer, buffer.byteOffset, position.array.length));
-    position.needsUpdate = true;
+    geometry.getAttribute("position").array.set(floats(buffer));
+    follow();
+  }
+
+  function follow() {
+    geometry.getAttribute("position").needsUpdate = true;
     geometry.computeVertexNormals();
     geometry.computeBoundingSphere();
+  }
+
+  function posed() {
+    follow();
+    renderAll();
+  }
+
+  async function setSkin(places, file) {
+    const number = ++skins;
+    const texture = file && (await decoded(file));
+    if (number !== skins) return; // another came while this one was decoded
+    if (texture) {
+      const { constructor: Attribute } = geometry.getAttribute("position");
+      geometry.addAttribute("uv", new Attribute(floats(places), 2));
+    }
+    material.map?.dispose();
+    material.map = texture ?? null;
+    material.vertexColors = texture ? NO_COLOURS : VERTEX_COLOURS;
+    material.needsUpdate = true;
+    renderAll();
+    for (const { host } of views) host.classList.toggle("sketchwidget-textured", Boolean(texture));
+  }
+
+  /** An image file as a texture: the first row of pixels is at v = 1. */
+  async function decoded(file) {
+    const image = await createImageBitmap(new Blob([file]));
+    const { width, height } = image;
+    const canvas = Object.assign(document.createElement("canvas"), { width, height });
+    const context = canvas.getContext("2d");
+    context.translate(0, height);
+    context.scale(1, -1);
+    context.drawImage(image, 0, 0);
+    const texture = new DataTexture(new Uint8Array(context.getImageData(0, 0, width, height).data.buffer), width, height);
+    Object.assign(texture, { magFilter: LINEAR, minFilter: LINEAR_MIPMAPS, generateMipmaps: true, needsUpdate: true });
+    return texture;
   }
 
   function setFrame(scale, [x, y]) {
@@ -97,12 +144,16 @@ export default () => {
   async function connect(model) {
     const renderer = await resolve(model, "renderer");
     const geometryModel = await resolve(model, "geometry");
-    await renderer.initPromise;
-    await geometryModel.initPromise;
+    const materialModel = await resolve(model, "material");
+    const swatch = await resolve(model, "swatch");
+    await Promise.all([renderer, geometryModel, materialModel, swatch].map((made) => made.initPromise));
     const controlsModel = renderer.get("controls")[0];
     // Each drag would send the camera to the kernel, and the answer turn it back under the next drag.
     controlsModel.update_controlled = () => {};
     geometry = geometryModel.obj;
+    geometry.addEventListener("sketchwidget:posed", posed);
+    material = materialModel.obj;
+    DataTexture = swatch.obj.constructor;
     camera = renderer.get("camera").obj;
     controls = controlsModel.obj;
     return renderer;
@@ -116,6 +167,8 @@ export default () => {
       if (message.type === "mesh" && !isLate(message)) {
         pending = { message, buffer: buffers[0] };
         connected.then(() => (frame ||= requestAnimationFrame(apply)));
+      } else if (message.type === "skin") {
+        connected.then(() => setSkin(...buffers));
       } else if (message.type === "look") {
         connected.then(() => look(message.direction));
       }

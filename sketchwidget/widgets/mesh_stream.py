@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -11,6 +12,22 @@ import numpy as np
 import pythreejs
 import traitlets
 from ipywidgets import CallbackDispatcher, widget_serialization
+
+
+@dataclass(frozen=True, eq=False)
+class Skin:
+    """A texture for a mesh.
+
+    Parameters
+    ----------
+    picture : bytes
+        A file that browsers read.
+    uv : (V, 2) array
+        Place of each vertex in it, 0 to 1, v upwards.
+    """
+
+    picture: bytes
+    uv: np.ndarray
 
 
 class MeshStream(anywidget.AnyWidget):
@@ -26,12 +43,18 @@ class MeshStream(anywidget.AnyWidget):
         With an `OrthographicCamera` and `OrbitControls`. It is shown square, as large as its place on the page.
     geometry : pythreejs.BufferGeometry
         The geometry of the mesh; its ``position`` is what is updated.
+    material : pythreejs.Material
+        Of the mesh, with the colours of its vertices.
+    swatch : pythreejs.DataTexture
+        Any; textures are made as it is.
     """
 
     _esm = Path(__file__).parent / "mesh_stream.js"
 
     renderer = traitlets.Instance(pythreejs.Renderer).tag(sync=True, **widget_serialization)
     geometry = traitlets.Instance(pythreejs.BufferGeometry).tag(sync=True, **widget_serialization)
+    material = traitlets.Instance(pythreejs.Material).tag(sync=True, **widget_serialization)
+    swatch = traitlets.Instance(pythreejs.DataTexture).tag(sync=True, **widget_serialization)
 
     def __init__(self, **kwargs: Any) -> None:
         super().__init__(**kwargs)
@@ -61,6 +84,11 @@ class MeshStream(anywidget.AnyWidget):
             {"type": "mesh", "serial": self._serial, "passing": passing, **frame},
             [np.ascontiguousarray(positions, dtype="<f4").data],
         )
+
+    def send_skin(self, skin: Skin | None) -> None:
+        """Show a texture on the mesh in place of the colours of its vertices, or these again."""
+        buffers = [] if skin is None else [np.ascontiguousarray(skin.uv, dtype="<f4").data, skin.picture]
+        self.send({"type": "skin"}, buffers)
 
     def look(self, direction: np.ndarray) -> None:
         """Turn the camera, so that it looks from ``direction`` (3,), upright, at its first size and place."""

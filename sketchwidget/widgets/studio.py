@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from contextlib import suppress
 from threading import Thread
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import traitlets
@@ -12,6 +12,7 @@ from ipywidgets import Box, VBox, jslink
 
 from ..face import Face, FaceModel
 from ..session import Session
+from ..session.layers import Displacement
 from ..session.take_over import standing
 from ..sketch import SILHOUETTE, Segment, Sketch
 from . import toolbar
@@ -21,16 +22,21 @@ from .files import Files
 from .head_view import HeadView
 from .keyboard import Keyboard
 from .marking import Marking
+from .mesh_stream import Skin
 from .pad import Pad
+from .portraying import Portraying
 from .refine_pad import TOOLS as REFINING_TOOLS
 from .refining import EXPECTED, Refining
 from .status import Status, expected_next, said
 from .tab import Tab
 from .welcome import Welcome, beyond
 
+if TYPE_CHECKING:
+    from ..avatar import Avatar
+
 TOOLS = ("pen", "eraser")
 MODES = ("initial", "followup", "refine")
-TABS = (*MODES, "caricature")
+TABS = (*MODES, "caricature", "portrait")
 VIEWS = ("front", "left", "right", "three-quarter")
 
 
@@ -49,6 +55,8 @@ class Studio(VBox):
         The session on show.
     marking : Marking
         The picture of the tabs that begin with one; scripts may open it, and place its landmarks.
+    portrait : Puppet
+        What moves the head of the tab *Portrait* on the page; scripts may drive it.
 
     Examples
     --------
@@ -69,6 +77,7 @@ class Studio(VBox):
         self._status = Status()
         self._side = "front"  # the view that the pad shows: in follow-up sketching also the profile's
         self._shown: tuple[Any, ...] = (None,) * 7  # what of the session is on show
+        self._worn: tuple[Skin | None, Any] = (None, None)  # a texture, and the layer of the head that it is for
         self._tab: Tab | None = None  # the tab on show, if it is none of a mode of the session
         super().__init__()
         self.children = self._layout()
@@ -93,16 +102,15 @@ class Studio(VBox):
         self._undo, self._redo, self._clear = (toolbar.button(name) for name in ("undo", "redo", "clear"))
         self._cancel, template = toolbar.button("cancel"), toolbar.button("template")
         views = [toolbar.button(name) for name in VIEWS]
-        self._files = Files(lambda: self.session, self._set_session, lambda: self._face, self._status)
+        self._files = Files(lambda: self.session, self._set_session, lambda: self._exported, self._status)
         self._welcome = Welcome(self._on_example)
         self._refining = Refining(lambda: self.session, self._head, self._status)
         self._exaggerating = Exaggerating(self._on_exaggerate)
         self.marking = Marking(self._status)
-        self._tabs: dict[str, Tab] = {
-            "caricature": Caricaturing(
-                self.marking, self._head, self._status, lambda: self._drawn.model, self._show_tab, self._take_over
-            )
-        }
+        shared = (self.marking, self._head, self._status, lambda: self._drawn.model, self._show_tab, self._take_over)
+        portraying = Portraying(*shared)
+        self.portrait = portraying.puppet
+        self._tabs: dict[str, Tab] = {"caricature": Caricaturing(*shared), "portrait": portraying}
 
         # Linked in the browser, so that a stroke right after a key is drawn with the tool that the key chose.
         jslink((self._tools, "index"), (self._pad.widget, "tool"))
@@ -129,7 +137,7 @@ class Studio(VBox):
         left = VBox([pad_bars, *pads, self._welcome.add_class(at("drawing"))]).add_class("sketchwidget-panel")
         head_bars = [toolbar.bar(tuple(views)).add_class("sketchwidget-views"), self._refining.bar]
         head_bars += [tab.bar.add_class(at(name)) for name, tab in self._tabs.items()]
-        below = [self._exaggerating.bar, self._refining.chart]
+        below = [self._exaggerating.bar, portraying.panel.add_class(at("portrait")), self._refining.chart]
         right = VBox([_row(*head_bars), self._head.widget, *below]).add_class("sketchwidget-panel")
         desk = Box([left, right]).add_class("sketchwidget-desk")
         keyboard = Keyboard(bindings=toolbar.bindings(TOOLS, TABS, REFINING_TOOLS))
@@ -178,6 +186,7 @@ class Studio(VBox):
 
     def _show_head(self, passing: bool = False) -> None:
         face = self._face
+        self._head.dress(self._skin)
         self._head.show(face, self.session.frame if face is self._drawn else standing(face), passing)
 
     def _show_tab(self, passing: bool) -> None:
@@ -212,6 +221,24 @@ class Studio(VBox):
     def _face(self) -> Face:
         """The head on show: the tab's own, if it has one."""
         return self._drawn if self._tab is None or self._tab.face is None else self._tab.face
+
+    @property
+    def _skin(self) -> Skin | None:
+        """The texture of the head on show: the tab's, or of a head that was taken over and edited since."""
+        if self._face is not self._drawn:
+            return None if self._tab is None else self._tab.skin
+        skin, taken = self._worn
+        residual = self.session.layers.residual
+        if skin is None or not isinstance(residual, Displacement):
+            return None
+        same = residual is taken or np.array_equal(residual.offsets, taken.offsets)  # redone, it is made anew
+        return skin if same else None
+
+    @property
+    def _exported(self) -> Face | Avatar:
+        """What is exported."""
+        own = None if self._tab is None else self._tab.exported
+        return self._face if own is None else own
 
     @property
     def _edited(self) -> Session | Marking:
@@ -314,9 +341,10 @@ class Studio(VBox):
         if tab is not None:
             tab.enter()
 
-    def _take_over(self, face: Face) -> None:
+    def _take_over(self, face: Face, skin: Skin | None = None) -> None:
         with self._status.reporting("The head could not be taken over"):
             self.session.take_over(face)
+            self._worn = (skin, self.session.layers.residual)
             self._open(None)
             self._show_all()
             self._status.say("The head is taken over; undo brings the drawing back.", self._expected)

@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Protocol
+from typing import TYPE_CHECKING, Protocol
 
 from ipywidgets import DOMWidget
 
 from ..face import Face
+from .mesh_stream import Skin
+
+if TYPE_CHECKING:
+    from ..avatar import Avatar
 
 
 class Tab(Protocol):
@@ -26,6 +30,16 @@ class Tab(Protocol):
     @property
     def face(self) -> Face | None:
         """Its head, exaggerated; None while it has none, and the session's is on show."""
+        ...
+
+    @property
+    def skin(self) -> Skin | None:
+        """The texture of that, if it has one."""
+        ...
+
+    @property
+    def exported(self) -> Face | Avatar | None:
+        """What is exported while it is on show."""
         ...
 
     @property

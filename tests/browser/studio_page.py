@@ -143,7 +143,7 @@ class StudioPage:
         return "sketchwidget-idle" not in (self.button(name).get_attribute("class") or "")
 
     def click(self, name: str) -> None:
-        self.button(name).click()
+        self.button(name).locator("visible=true").click()
 
     def is_on(self, name: str) -> bool:
         if name in ("initial", "followup"):

@@ -137,3 +137,50 @@ def test_a_bad_file_changes_nothing(data, reason):
     upload(made, data, "bad.png")
     assert made._status.message.startswith("bad.png was not opened") and reason in made._status.message
     assert made.present is before
+
+
+class Two(Detector):
+    """Two faces, the larger one on the right."""
+
+    def __init__(self):
+        super().__init__(2)
+
+    def faces(self, image):
+        return np.array([[200.0, 0, 120, 120], [0, 0, 100, 100]])
+
+    def landmarks(self, image, box):
+        return FaceLandmarks(box[:2] + POINTS / 3)
+
+
+def test_of_several_faces_the_largest_is_marked_and_the_next_on_demand():
+    made = Marking(Status(), Two())
+    made.open(PICTURE, "two.png")
+    assert "2 faces were found" in made._status.message and made._another.layout.display is None
+    np.testing.assert_allclose(made.present.points, [200, 0] + POINTS / 3)
+    made._on_another()
+    np.testing.assert_allclose(made.present.points, POINTS / 3)
+    assert made._status.message.startswith("This is face 1 of 2.")
+    made.undo()
+    np.testing.assert_allclose(made.present.points, [200, 0] + POINTS / 3)
+
+
+def test_models_that_are_missing_are_fetched_and_the_face_is_looked_for(monkeypatch):
+    here = []
+    monkeypatch.setattr(room, "missing", lambda: [] if here else ["face_detection"])
+    monkeypatch.setattr(room, "fetch", lambda: here.append(True))
+    monkeypatch.setattr(room, "MediaPipeDetector", lambda: Detector(1))
+    made = Marking(Status())
+    made.open(PICTURE, "face.png")
+    assert made.pad.clickable and made._models.layout.display is None
+    made._on_models()
+    assert made._models.layout.display == "none" and made.present.landmarks is not None
+    assert made._status.message.startswith("The models that find faces are here. A face was found.")
+
+
+def test_models_that_cannot_be_fetched_leave_the_clicks(monkeypatch):
+    monkeypatch.setattr(room, "missing", lambda: ["face_detection"])
+    monkeypatch.setattr(room, "fetch", lambda: (_ for _ in ()).throw(OSError("there is no network")))
+    made = Marking(Status())
+    made.open(PICTURE, "face.png")
+    made._on_models()
+    assert "click three points instead: There is no network." in made._status.message and made.pad.clickable
