@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+import warnings
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -15,6 +16,7 @@ import torch
 
 from ..face.face import Face
 from ..face.model import FaceModel
+from ..portrait.doubts import HIDDEN_EYES, eyes_hidden, is_face
 from ..portrait.landmarks import EYES, FaceDetector, FaceLandmarks
 from ..portrait.mask import PersonMask, face_oval
 from ..portrait.mediapipe import MediaPipeDetector
@@ -38,7 +40,6 @@ _SIDE = 512  # pixels of the square about the face that is worked on
 _TEXTURE_SIDE = 1024
 _ABOUT = 2.3  # breadths and heights of the face to the square
 _LEAST_EYES = 12.0  # pixels between the outer corners of the eyes
-_UNSURE = 0.02  # genuine caricatures have scores as low as 0.03
 _RIVAL = 0.5  # of the largest face's area: another that might be meant
 _PROFILE = 5.0  # how many times nearer one eye is to the edge of the face than the other
 
@@ -105,6 +106,11 @@ def build(
     Returns
     -------
     Avatar
+
+    Warns
+    -----
+    UserWarning
+        If something dark, as sunglasses, seems to hide both eyes of a face that the detector found.
 
     Raises
     ------
@@ -228,8 +234,10 @@ def _detected(picture: np.ndarray, detector: FaceDetector | None, face: int | No
     if face is not None and not 0 <= face < len(likely):
         raise ValueError(f"there are {len(likely)} faces, numbered from 0 at the left; given face={face}")
     marks = detector.landmarks(picture, likely[face or 0])
-    if marks.score < _UNSURE:
+    if not is_face(marks):
         raise ValueError("what looks like a face is none: give a portrait, or the 68 landmarks of the face yourself")
+    if eyes_hidden(picture, marks):
+        warnings.warn(HIDDEN_EYES, stacklevel=4)
     return marks
 
 

@@ -12,6 +12,7 @@ from ipywidgets import CallbackDispatcher
 from ..caricature.three_points import COUNT, landmarks_from
 from ..face import FaceModel
 from ..portrait import FaceDetector, FaceLandmarks, load_picture
+from ..portrait.doubts import HIDDEN_EYES, eyes_hidden, is_face
 from ..portrait.landmarks import EYES
 from ..portrait.mediapipe import MediaPipeDetector
 from ..portrait.models import DOWNLOAD_MB, fetch, missing
@@ -211,9 +212,12 @@ class Marking:
             faces = boxes[np.argsort(boxes[:, 0], kind="stable")]
             box = boxes[0] if number is None else faces[number % len(faces)]
             found = detector.landmarks(picture, box)
+            if not is_face(found):
+                return nothing, "What looks like a face in it is none."
         except ValueError as error:  # a damaged model is no reason to do without the picture
             return nothing, sentence(error)
         said = "A face was found." if len(faces) == 1 else f"{len(faces)} faces were found: W is for another one."
+        said = f"{said} {HIDDEN_EYES}" if eyes_hidden(picture, found) else said
         return Marked(picture, found.points, faces, found), said
 
     # -- what the user does --------------------------------------------------------------------------------------------
