@@ -228,8 +228,7 @@ class Studio(VBox):
         if self._face is not self._drawn:
             return None if self._tab is None else self._tab.skin
         skin, taken = self._worn
-        residual = self.session.layers.residual
-        if skin is None or not isinstance(residual, Displacement):
+        if skin is None or not isinstance(residual := self.session.layers.residual, Displacement):
             return None
         same = residual is taken or np.array_equal(residual.offsets, taken.offsets)  # redone, it is made anew
         return skin if same else None
