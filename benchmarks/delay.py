@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import threading
 from collections.abc import Iterator
+from concurrent.futures import Future
 from contextlib import contextmanager, suppress
 from urllib.parse import urlsplit, urlunsplit
 
@@ -18,26 +19,33 @@ def delayed(address: str, seconds: float) -> Iterator[str]:
     Parameters
     ----------
     address : str
-        Of the server, with its port.
+        Of the server, with its port; with no delay it is given back.
     seconds : float
         That each byte takes more, each way.
     """
+    if not seconds:
+        yield address
+        return
     parts = urlsplit(address)
-    loop = asyncio.new_event_loop()
-    thread = threading.Thread(target=loop.run_forever, daemon=True)
-    thread.start()
+    opened: Future[tuple[asyncio.AbstractEventLoop, asyncio.Event, int]] = Future()
 
     async def connect(reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
         there, back = await asyncio.open_connection(parts.hostname, parts.port)
-        await asyncio.gather(_hand_on(reader, back, seconds), _hand_on(there, writer, seconds))
+        with suppress(asyncio.CancelledError):  # at the end, when connections may still be open
+            await asyncio.gather(_hand_on(reader, back, seconds), _hand_on(there, writer, seconds))
 
-    serving = asyncio.run_coroutine_threadsafe(asyncio.start_server(connect, "127.0.0.1", 0), loop).result()
+    async def serve() -> None:
+        server, done = await asyncio.start_server(connect, "127.0.0.1", 0), asyncio.Event()
+        opened.set_result((asyncio.get_running_loop(), done, server.sockets[0].getsockname()[1]))
+        await done.wait()
+
+    thread = threading.Thread(target=lambda: asyncio.run(serve()), daemon=True)
+    thread.start()
+    loop, done, port = opened.result(timeout=10)
     try:
-        port = serving.sockets[0].getsockname()[1]
         yield urlunsplit(parts._replace(netloc=f"127.0.0.1:{port}"))
     finally:
-        loop.call_soon_threadsafe(serving.close)
-        loop.call_soon_threadsafe(loop.stop)
+        loop.call_soon_threadsafe(done.set)
         thread.join()
 
 
