@@ -135,6 +135,19 @@ def test_from_a_drawing_the_head_stays_and_drawn_wrinkles_are_kept(regressor):
     assert session.undo() and len(session.sketch) == 2 and session.mode == "initial"
 
 
+@pytest.mark.parametrize("entering", ["mode", "template"])
+def test_what_deforms_heads_is_there_once_the_mode_is_entered(entering):
+    regressor = WrinkleCounter()
+    session = Session(regressor)
+    session.draw(OVAL)
+    assert "handles" not in vars(regressor.model)
+    if entering == "mode":
+        session.mode = "followup"
+    else:
+        session.start_from_template()
+    assert "handles" in vars(regressor.model)
+
+
 def test_without_inference_a_session_begins_with_the_template(regressor):
     session = Session(regressor, inference=False)
     asked = regressor.asked
@@ -427,6 +440,14 @@ def test_a_side_stroke_far_from_the_profile_is_refused(session):
     session.mode = "initial"
     with pytest.raises(ValueError, match="follow-up mode"):
         session.draw(WRINKLE, view="left")
+
+
+def test_loops_of_a_side_stroke_are_left_out(session):
+    part = session.profile("left")[45:75]
+    turn = np.linspace(0, 2 * np.pi, 24)
+    loop = part[15] + 0.03 * np.stack([np.cos(turn) - 1, np.sin(turn)], axis=1)
+    session.draw(np.concatenate([part[:16], loop, part[16:]]), view="left")
+    assert np.abs(session.profile("left")[45:75] - part).max() < 0.006
 
 
 # -- undoing ----------------------------------------------------------------------------------------------------------
