@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import gzip
-from collections.abc import Callable, Iterable, Mapping
+import time
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -55,12 +56,28 @@ class Puppet(anywidget.AnyWidget):
         self._rig = None if avatar is None else _message(avatar)
         self._send_rig()
 
-    def drive(self, frames: Iterable[Mapping[str, float]], wait: Callable[[], None] = lambda: None) -> None:
-        """Move the head by a driver: any iterable of weights by ARKit's names, each shown before ``wait()``."""
+    def drive(self, frames: Iterable[Mapping[str, float]], rate: float | None = 30.0) -> None:
+        """Move the head by a driver.
+
+        Parameters
+        ----------
+        frames : iterable of mappings
+            Weights by ARKit's names, one mapping a frame.
+        rate : float, optional
+            Frames a second; None shows each as soon as it comes, which is right for a camera's.
+
+        Raises
+        ------
+        ValueError
+            If the rate is not positive.
+        """
+        if rate is not None and not rate > 0:
+            raise ValueError(f"a rate is a positive number of frames a second, or None; given {rate!r}")
         self.playing = ""
         for frame in frames:
             self.weights = {name: float(weight) for name, weight in frame.items()}
-            wait()
+            if rate is not None:
+                time.sleep(1 / rate)
 
     def _send_rig(self) -> None:
         if self._rig is None:

@@ -59,8 +59,12 @@ def test_a_head_let_go_is_at_rest_and_not_sent_again(puppet, sent):
 
 def test_a_driver_is_any_iterable_of_weights(puppet):
     shown = []
-    puppet.drive([{"jawOpen": 0.5}, {}], wait=lambda: shown.append(puppet.weights))
-    assert shown == [{"jawOpen": 0.5}, {}]
+    puppet.observe(lambda change: shown.append(change["new"]), "weights")
+    puppet.drive(({"jawOpen": share} for share in (0.5, 0.25)), rate=None)
+    puppet.drive([{"jawOpen": 1}], rate=1000)
+    assert shown == [{"jawOpen": 0.5}, {"jawOpen": 0.25}, {"jawOpen": 1.0}]
+    with pytest.raises(ValueError, match="frames a second"):
+        puppet.drive([{}], rate=0)
 
 
 def test_every_expression_is_in_one_group():
