@@ -51,7 +51,7 @@ def test_ink_is_there_before_the_kernel_answers(studio: StudioPage) -> None:
     studio.page.mouse.down()
     studio.page.mouse.move(*studio.on_screen((0.7, 0.6)))
     until(studio.ink_pixels, what="ink under the pen")
-    assert studio.root.locator(".sketchwidget-invitation").is_hidden()
+    assert studio.pad.locator(".sketchwidget-invitation").is_hidden()
     studio.page.mouse.up()
     until(lambda: studio.message, lambda said: said.startswith("Stroke drawn"), "the word of the stroke")
 
