@@ -71,7 +71,7 @@ def as_amount(given: Any) -> float:
     expected = f"an amount of exaggeration is a number from 0 to {LARGEST:g}"
     try:
         amount = float(given)
-    except (TypeError, ValueError) as error:
+    except (OverflowError, TypeError, ValueError) as error:
         raise ValueError(f"{expected}; given {given!r}") from error
     if not 0.0 <= amount <= LARGEST:
         raise ValueError(f"{expected}; given {given!r}")

@@ -41,7 +41,7 @@ def apply(state: State, event: Event, modeller: Modeller) -> State:
     """
     after = _applied(state, event, modeller)
     # What follows an exaggeration starts from the head as it is by then.
-    if after is state or after.exaggeration is None or after.exaggeration is not state.exaggeration:
+    if after is state or after.exaggeration is None or isinstance(event, Exaggerate):
         return after
     return replace(after, exaggeration=None)
 

@@ -22,7 +22,7 @@ class Autosave:
     """
 
     def __init__(self, path: str | os.PathLike[str]) -> None:
-        self._path = path
+        self.path = path
         self._written: list[tuple[Event, str]] = []  # events and their lines, so that each is made once
 
     def write(self, events: Sequence[Event], inference: bool = True) -> None:
@@ -39,4 +39,4 @@ class Autosave:
         while kept < min(len(events), len(self._written)) and self._written[kept][0] is events[kept]:
             kept += 1
         self._written[kept:] = [(event, file.line(event)) for event in events[kept:]]
-        textfile.write(self._path, file.joined([line for _, line in self._written], inference))
+        textfile.write(self.path, file.joined([line for _, line in self._written], inference))

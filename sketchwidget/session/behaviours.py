@@ -27,7 +27,9 @@ Behaviour = Callable[[Edit], Refinement]
 Recogniser = Callable[[np.ndarray], bool]
 
 DEPTHS = [4.0, 8.0, 12.0]  # mm of bulging or depression, by level; looked up by each roll, so they may be changed
+PEN_TOOLS = ("gesture", "brush", "unbrush", "orbit")  # of the Studio
 NEAR = 0.12  # canvas units from a silhouette within which a line means it: 30 mm
+_RESERVED = (LEFT_ARROW, RIGHT_ARROW, *PEN_TOOLS)
 _EDGE_ON = 0.2  # cosine of the angle between the handles' normal and the view, below which depth is no direction
 
 
@@ -145,7 +147,7 @@ def register_gesture(name: str, behaviour: Behaviour, recognise: Recogniser | No
     Raises
     ------
     ValueError
-        If the name is that of an arrow: these undo and redo, whatever was done.
+        If the name is that of an arrow, which undo and redo whatever was done, or of a tool of the Studio.
     TypeError
         If the behaviour or what recognises it cannot be called.
 
@@ -161,8 +163,8 @@ def register_gesture(name: str, behaviour: Behaviour, recognise: Recogniser | No
     >>> round(float((session.face.landmarks - before)[30, 1]), 3)
     -2.0
     """
-    if not isinstance(name, str) or not name or name in (LEFT_ARROW, RIGHT_ARROW):
-        raise ValueError(f"a gesture has a name, which is not {LEFT_ARROW!r} or {RIGHT_ARROW!r}; given {name!r}")
+    if not isinstance(name, str) or not name or name in _RESERVED:
+        raise ValueError(f"a gesture has a name, which is none of {', '.join(_RESERVED)}; given {name!r}")
     for given in (behaviour, recognise):
         if given is not None and not callable(given):
             raise TypeError(f"a behaviour and what recognises it are functions; given {given!r}")
@@ -192,4 +194,10 @@ def tools() -> tuple[str, ...]:
 
 def recognised(points: np.ndarray) -> str | None:
     """The name of the first gesture added by users that a stroke is."""
-    return next((name for name, recognise in _RECOGNISERS.items() if recognise(points)), None)
+    for name, recognise in _RECOGNISERS.items():
+        try:
+            if bool(recognise(points)):
+                return name
+        except Exception as error:
+            raise ValueError(f"what recognises {name!r} failed on this stroke: {error!r}") from error
+    return None

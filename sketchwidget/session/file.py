@@ -64,7 +64,7 @@ def _event(line: str, number: int) -> Event:
     given = _parsed(line, number)
     try:
         return event_from_json(given)
-    except ValueError as error:
+    except (OverflowError, ValueError) as error:
         raise SessionFileError(f"line {number} of the session is no event: {error}") from error
 
 

@@ -26,7 +26,7 @@ def rounded(vertices: Any) -> np.ndarray:
     expected = f"a head has 1 to {MAX_VERTICES:,} vertices (V, 3), within {REACH:,.0f} mm of its origin"
     try:
         given = np.asarray(vertices, dtype=np.float64)
-    except (TypeError, ValueError) as error:
+    except (OverflowError, TypeError, ValueError) as error:
         raise ValueError(f"{expected}; given {type(vertices).__name__}: {error}") from error
     if given.ndim != 2 or given.shape[1] != 3 or not 1 <= len(given) <= MAX_VERTICES:
         raise ValueError(f"{expected}; given an array of shape {given.shape}")

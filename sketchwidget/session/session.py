@@ -391,8 +391,14 @@ class Session(HasTraits):
         return session
 
     def another(self, text: str) -> Self:
-        """Replay a session from its text as `loads` does, with the network and the model of this one."""
-        return type(self).loads(text, self.regressor if self.inference else self._modeller.given)
+        """Replay a session from its text as `loads` does, with the network and the model of this one.
+
+        If this one saves itself, the other does so too, to the same file.
+        """
+        session = type(self).loads(text, self.regressor if self.inference else self._modeller.given)
+        if self._autosave is not None:
+            session.autosave(self._autosave.path)
+        return session
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write the session to a file; a former file stays as it was if that fails."""

@@ -12,6 +12,7 @@ from sketchwidget.geometry.view import View
 
 from .followup import Followup, left
 from .layers import Displacement, Layer, Layers
+from .packed import rounded
 from .state import State
 
 if TYPE_CHECKING:
@@ -93,7 +94,9 @@ def exaggerated(state: State, amount: float, modeller: Modeller) -> State:
     before = left(state) if former is None else former.before
     if amount == 1.0:
         return before
-    taken = taken_over(exaggerate(modeller.head(before).face, amount), modeller)
+    face = exaggerate(modeller.head(before).face, amount)
+    rounded(face.vertices)  # refuses what is larger than any head
+    taken = taken_over(face, modeller)
     return replace(
         taken,
         mode="refine" if before.mode == "refine" else taken.mode,

@@ -132,6 +132,7 @@ class Caricaturing:
             self._renew(passing=False)
             return
         if fitted is not None and fitted.done and fitted.marked is marked:
+            self._worker.drop()
             self._renew(passing=False)
             return
         if done:

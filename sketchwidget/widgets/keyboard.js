@@ -19,6 +19,7 @@ function combination(event) {
 
 function typing() {
   const focused = document.activeElement;
+  if (focused?.matches?.("input[type=range], input[type=checkbox], input[type=button]")) return false;
   return focused?.isContentEditable || /^(INPUT|TEXTAREA|SELECT)$/.test(focused?.tagName ?? "");
 }
 

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from ipywidgets import CallbackDispatcher
 
+from ..caricature.landmarks import as_landmarks, as_weights
 from ..caricature.three_points import COUNT, landmarks_from
 from ..face import FaceModel
 from ..portrait import FaceDetector, FaceLandmarks, load_picture
@@ -151,8 +152,14 @@ class Marking:
         self._go_to(marked, f"{name} is open. {found}")
 
     def place(self, points: np.ndarray) -> None:
-        """Mark landmarks (68, 2) on the picture."""
-        self._go_to(replace(self.present, points=np.asarray(points, dtype=float)))
+        """Mark landmarks (68, 2) on the picture.
+
+        Raises
+        ------
+        ValueError
+            If they are not 68 finite points.
+        """
+        self._go_to(replace(self.present, points=as_landmarks(points, as_weights(None))))
 
     def clear(self) -> bool:
         """Take all marks off the picture, and without any the picture away; False if there is none."""

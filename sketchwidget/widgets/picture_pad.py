@@ -58,6 +58,8 @@ class PicturePad(anywidget.AnyWidget):
 
     def show_picture(self, picture: np.ndarray | None) -> None:
         """Show all of a picture (H, W, 3) uint8, or none."""
+        if self._image is not None:
+            self._image.close()
         self._image = None if picture is None else _as_widget(picture)
         height, width = (0, 0) if picture is None else picture.shape[:2]
         with self.hold_sync():

@@ -145,8 +145,11 @@ class Portraying:
             self._follow(marked)
 
     def _follow(self, marked: Marked) -> None:
-        if marked is self._followed and self.avatar is not None:
-            self._wear(self.avatar)
+        if marked is self._followed:
+            if self.avatar is None:  # it is being built
+                self._show(False)
+            else:
+                self._wear(self.avatar)
             return
         self._worker.drop()
         self._followed = marked
@@ -207,6 +210,7 @@ class Portraying:
         self.puppet.hold(avatar, performances().values())
 
     def _on_failure(self, error: Exception) -> None:
+        self._followed = None
         self._status.fail(f"There is no head of this picture: {sentence(error)}")
 
     def _on_take(self) -> None:

@@ -12,9 +12,9 @@ import traitlets
 from ipywidgets import CallbackDispatcher
 
 from ..geometry import View
+from ..session.behaviours import PEN_TOOLS as TOOLS
 
 BRUSHES = ("brush", "unbrush")
-TOOLS = ("gesture", *BRUSHES, "orbit")
 
 
 class RefinePad(anywidget.AnyWidget):

@@ -34,6 +34,7 @@ class Worker(Generic[T]):
     ) -> None:
         self._told, self._failed, self._reported = told, failed, reported
         self._next: Callable[[Report], T] | None = None
+        self._counts: Callable[[Report], T] | None = None  # the job of which anything is told
         self._working: asyncio.Task[None] | None = None
 
     def do(self, job: Callable[[Report], T]) -> None:
@@ -49,32 +50,30 @@ class Worker(Generic[T]):
             self._working = loop.create_task(self._work(loop))
 
     def drop(self) -> None:
-        """Forget what waits; what is being done is not told."""
-        self._next = None
-        if self._working is not None:
-            self._working.cancel()
-            self._working = None
+        """Forget what waits; what is being done is not told.
+
+        The next job waits for its end all the same: a thread cannot be stopped.
+        """
+        self._next = self._counts = None
 
     async def _work(self, loop: asyncio.AbstractEventLoop) -> None:
-        me = asyncio.current_task()
-
-        def report(value: Any) -> None:
-            loop.call_soon_threadsafe(lambda: self._working is me and self._reported(value))
-
         while (job := self._next) is not None:
-            self._next = None
+            self._next, self._counts = None, job
+
+            def report(value: Any, job: Callable[[Report], T] = job) -> None:
+                loop.call_soon_threadsafe(lambda: self._counts is job and self._reported(value))
+
             try:
                 result = await asyncio.to_thread(job, report)
+                if self._counts is job:
+                    self._told(result)
             except Exception as error:
-                self._failed(error)
-            else:
-                self._told(result)
+                if self._counts is job:
+                    self._failed(error)
         self._working = None
 
     def _answer(self, job: Callable[[Report], T]) -> None:
         try:
-            result = job(self._reported)
+            self._told(job(self._reported))
         except Exception as error:
             self._failed(error)
-        else:
-            self._told(result)

@@ -69,3 +69,11 @@ def test_a_full_disk_is_told_and_loses_nothing(tmp_path, regressor, monkeypatch)
     assert len(session.sketch) == 2 and len(Session.load(tmp_path / "drawing.jsonl", regressor).events) == 1
     session.undo()
     assert (tmp_path / "drawing.jsonl").read_text() == session.dumps()
+
+
+def test_a_session_in_place_of_another_saves_itself_where_that_did(tmp_path):
+    session = Session(inference=False)
+    session.autosave(tmp_path / "kept.jsonl")
+    other = session.another(Session(inference=False).dumps())
+    other.draw([[0.3, 0.3], [0.6, 0.7]])
+    assert Session.load(tmp_path / "kept.jsonl").events == other.events

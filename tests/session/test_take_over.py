@@ -274,3 +274,33 @@ def test_other_amounts_change_nothing(session, amount):
     with pytest.raises(ValueError, match="a number from 0 to 3"):
         session.exaggerate(amount)
     assert snapshot(session) == before
+
+
+@pytest.mark.parametrize(
+    "leaving", [lambda session: session.cancel(), lambda session: setattr(session, "mode", "refine")]
+)
+def test_what_was_cancelled_after_an_exaggeration_is_no_part_of_it(model, leaving):
+    session = Session(inference=False)
+    session.take_over(model.face(model.bilinear.identities[3]))
+    session.exaggerate(1.5)
+    brow = session.sketch.lines["left_brow"][0]
+    session.erase(brow[len(brow) // 2])
+    leaving(session)
+    left, mode = session.face.vertices, session.mode
+    session.exaggerate(2.0)
+    bold = session.face.vertices
+    session.undo()
+    np.testing.assert_array_equal(session.face.vertices, left)
+    assert session.gap is None and session.mode == mode
+    session.redo()
+    np.testing.assert_array_equal(session.face.vertices, bold)
+
+
+def test_a_head_is_not_exaggerated_without_end(model):
+    session = Session(inference=False)
+    session.take_over(model.face(model.bilinear.identities[3]))
+    with pytest.raises(ValueError, match="mm of its origin"):
+        for number in range(20):
+            session.exaggerate(3.0)
+            session.draw([[0.45, 0.2 + 0.001 * number], [0.55, 0.2 + 0.001 * number]])
+    assert np.isfinite(session.face.vertices).all()

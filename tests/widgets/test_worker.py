@@ -1,5 +1,6 @@
 import asyncio
 import threading
+import time
 
 from sketchwidget.widgets.worker import Worker
 
@@ -72,3 +73,49 @@ def test_what_is_dropped_is_not_told_and_work_goes_on_after():
 
     asyncio.run(asyncio.wait_for(run(), 20))
     assert told == [("told", "next")]
+
+
+def test_a_job_waits_for_the_end_of_one_that_was_dropped():
+    made, told = worker()
+    at_once, most = [], []
+
+    def job(_):
+        at_once.append(1)
+        most.append(len(at_once))
+        time.sleep(0.05)
+        at_once.pop()
+        return len(most)
+
+    async def run():
+        for _ in range(4):
+            made.do(job)
+            await asyncio.sleep(0.01)
+            made.drop()
+        made.do(job)
+        while not told:
+            await asyncio.sleep(0.01)
+
+    asyncio.run(asyncio.wait_for(run(), 20))
+    assert max(most) == 1 and len(told) == 1
+
+
+def test_work_goes_on_after_an_answer_that_failed():
+    told = []
+
+    def tell(result):
+        if result == "bad":
+            raise ValueError("no head")
+        told.append(result)
+
+    made = Worker(tell, lambda error: told.append(str(error)))
+
+    async def run():
+        made.do(lambda _: "bad")
+        while not told:
+            await asyncio.sleep(0.01)
+        made.do(lambda _: "good")
+        while len(told) < 2:
+            await asyncio.sleep(0.01)
+
+    asyncio.run(asyncio.wait_for(run(), 20))
+    assert told == ["no head", "good"]
