@@ -10,7 +10,7 @@ import pytest
 import trimesh
 from studio_page import OVAL, StudioPage, settled, until
 
-BUTTONS = 26
+BUTTONS = 37
 
 
 def drawn(studio: StudioPage) -> int:
