@@ -18,9 +18,11 @@ KNOWN_NOISE = ("t.on is not a function", "Failed to load resource")
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    for item in items:
-        if Path(__file__).parent in item.path.parents:
-            item.add_marker(pytest.mark.browser)
+    """Browser tests come last: Playwright leaves an event loop running, which others would take for a kernel's."""
+    in_browser = [item for item in items if Path(__file__).parent in item.path.parents]
+    for item in in_browser:
+        item.add_marker(pytest.mark.browser)
+    items[:] = [item for item in items if item not in in_browser] + in_browser
 
 
 @pytest.fixture(scope="session")
