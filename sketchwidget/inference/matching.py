@@ -29,6 +29,7 @@ _OUTLINE_INK, _FEATURE_INK = 400, 50  # points of a stroke
 _REACH = 0.03  # canvas units: a point this far from its stroke counts half
 _FARTHEST = 0.12  # beyond this it does not count
 _PLACED_WHOLE = ("brow", "eye", "mouth", "ear")  # what is drawn whole if at all: its middle is that of the line
+_MARK = 0.5  # of the breadth of an eye: what is smaller is a pupil or a dot, which shows where the eye is and no lids
 _ROUNDS = 2
 _CODE_LIMIT = (2.0, 3.0)  # standard deviations that coefficients may go to freely, and at most
 
@@ -66,12 +67,13 @@ class DrawnLines:
             As `sketchwidget.inference.shape_code.sample` gives them, in the frame of the strokes.
         settled : bool
             Whether the points are near their strokes already; otherwise each feature is moved onto its strokes first.
+            Eyes always are.
 
         Returns
         -------
         drawn : (n, 2) array
             The nearest point of a stroke with the line's name, or of its partner's; the point itself where there is
-            none.
+            none. An eye that is a dot keeps its shape and goes there.
         weight : (n,) array
             How much it counts, from 0 to 1.
         """
@@ -79,8 +81,13 @@ class DrawnLines:
         for group, ink in self._ink.items():
             at = PLACES[group]
             here = points[at]
-            if not settled and any(part in group for part in _PLACED_WHOLE):
+            eye = "eye" in group
+            # Of lids it is easily the wrong one that is nearest.
+            if eye or (not settled and any(part in group for part in _PLACED_WHOLE)):
                 here = here + _middle(ink) - _middle(here)
+            if eye and np.ptp(ink, axis=0).max() < _MARK * np.ptp(here, axis=0).max():
+                drawn[at], weight[at] = here, 1.0
+                continue
             distance, nearest = self._trees[group].query(here)
             drawn[at] = ink[nearest]
             weight[at] = np.where(distance < _FARTHEST, 1 / (1 + (distance / _REACH) ** 2), 0.0)

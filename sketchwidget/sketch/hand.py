@@ -44,7 +44,7 @@ class Hand:
     shorthand : float
         Chance that a feature is drawn in shorthand rather than line for line.
     extras : float
-        Chance of strokes that belong to no line: hair, wrinkles, stubble.
+        Chance of strokes that belong to no line: hair, wrinkles, stubble, a beard.
     """
 
     tremor: float = 0.004
@@ -129,7 +129,7 @@ def _brows(lines: Lines, random: np.random.Generator, shorthand: float) -> list[
 
 
 def _eyes(lines: Lines, random: np.random.Generator, shorthand: float) -> list[np.ndarray]:
-    manner = random.choice(["ellipse", "upper", "dot", "lens"], p=[0.5, 0.15, 0.15, 0.2])
+    manner = random.choice(["ellipse", "upper", "dot", "lens"], p=[0.4, 0.15, 0.25, 0.2])
     manner = manner if random.random() < shorthand else "contours"
     rounder, iris, filled = random.uniform(0.9, 1.7), random.random() < 0.5, random.random() < 0.5
     strokes = []
@@ -218,14 +218,28 @@ def _ears(lines: Lines, random: np.random.Generator, shorthand: float) -> list[n
 
 
 def _extras(outline: np.ndarray, random: np.random.Generator) -> list[np.ndarray]:
-    """Short curved strokes inside the head: hair above, wrinkles or stubble anywhere."""
+    """Short curved strokes inside the head: a beard along the chin, or hair above, wrinkles or stubble anywhere."""
     low, high = outline.min(axis=0), outline.max(axis=0)
+    if random.random() < 0.2:
+        return _beard(outline, random)
     reach = 0.25 if random.random() < 0.6 else 1.0
     strokes = []
     for _ in range(int(random.integers(1, 7))):
         start = low + (high - low) * random.uniform([0.2, 0.02], [0.8, reach])
         step = random.normal(0, 0.03, 2)
         strokes.append(np.stack([start, start + step + random.normal(0, 0.01, 2), start + 2 * step]))
+    return strokes
+
+
+def _beard(outline: np.ndarray, random: np.random.Generator) -> list[np.ndarray]:
+    """A row of strokes up from the chin, all alike."""
+    low, high = outline.min(axis=0), outline.max(axis=0)
+    reach, length, bend = random.uniform(0.1, 0.35), random.uniform(0.05, 0.16), random.normal(0, 0.1)
+    strokes = []
+    for x in np.linspace(0.5 - reach, 0.5 + reach, int(random.integers(4, 11))):
+        chin = outline[np.argmin(np.abs(outline - (low + (high - low) * [x, 1.0])).sum(axis=1))]
+        hair = np.array([[0.0, 0.02], [bend, 0.5], [0.0, 1.0]]) * [length, -length] * (high[1] - low[1])
+        strokes.append(chin + hair + random.normal(0, 0.004, 2))
     return strokes
 
 

@@ -14,10 +14,10 @@ from ..face import Face
 from ..face.model import FaceModel
 from ..geometry.view import View
 from ..inference.matching import DrawnLines
-from ..inference.refinement import LineRefiner
+from ..inference.refinement import LineRefiner, Match
 from ..inference.regressor import FaceRegressor
 from ..inference.shape_code import split_lines
-from ..sketch import Sketch
+from ..sketch import SILHOUETTE, Sketch
 from ..sketch.hand import PARTS, Hand
 from .examples import Variety, noisy_view
 from .manners import Drawn, Manner, draw
@@ -104,18 +104,32 @@ def refined(refiner: LineRefiner, start: Weights, tests: TestSet) -> Weights:
 
 
 def morphable_model_fit(model: FaceModel) -> Method:
-    """What lines alone give under the prior of the model, point for point known: the paper's MMfitting."""
+    """What lines alone give under the prior of the model, whose points are known: the paper's MMfitting."""
     refiner = LineRefiner(model, standardisation(model), errors=_PRIOR_ERRORS, steps=_FITTING_STEPS, steady=False)
     middle = model.bilinear.expressions.mean(axis=0)
 
     def fitted(tests: TestSet) -> Weights:
-        found = []
-        for drawing in tests.drawn:
-            known = (drawing.points, drawing.seen.astype(np.float64))
-            found.append(refiner(model.mean_identity, middle, lambda points, settled, known=known: known))
-        return _stacked(found)
+        return _stacked([refiner(model.mean_identity, middle, _labelled(drawing)) for drawing in tests.drawn])
 
     return fitted
+
+
+def _labelled(drawing: Drawn) -> Match:
+    """The points of a drawing for those of a head's lines, each known; of the outline, along which they slide, the
+    nearest.
+    """
+    outline = split_lines(np.arange(len(drawing.points)))[SILHOUETTE]
+    seen = outline[drawing.seen[outline]]
+    drawn = DrawnLines([drawing.points[seen]], [SILHOUETTE]) if len(seen) else None
+
+    def match(points: np.ndarray, settled: bool) -> tuple[np.ndarray, np.ndarray]:
+        target, weight = drawing.points.copy(), drawing.seen.astype(np.float64)
+        if drawn is not None:
+            nearest, near = drawn.match(points, settled)
+            target[outline], weight[outline] = nearest[outline], near[outline]
+        return target, weight
+
+    return match
 
 
 def _stacked(found: list[Weights]) -> Weights:

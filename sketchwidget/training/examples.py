@@ -18,7 +18,10 @@ from .face_table import FaceTable
 from .manners import Drawn, Manner, draw
 from .reshaping import Reshaping
 
-_RARE = {"cheek_puff": 0.2, "blowfish": 0.2}  # how often, others always: people draw jaws, not puffed cheeks
+# How often expressions are drawn, others once: people draw jaws, not puffed cheeks, and by hand mostly faces at rest.
+_RARE = {"cheek_puff": 0.2, "blowfish": 0.2}
+_BY_HAND = _RARE | {"neutral": 8.0, "smile": 3.0}
+_OTHERS = 4  # people that a face is blended with
 _QUIET_MOUTHS = ("neutral", "eyes_closed")  # what a face without a drawn mouth may be doing
 
 
@@ -35,7 +38,8 @@ class Variety:
     mixed : float
         Share of faces between two expressions.
     blended : float
-        Share of faces of nobody in the table, blended from two people's.
+        Share of faces of nobody in the table, blended from five people's: of people who are drawn again and again
+        networks learn who they are, and little of others.
     partial : float
         Share of the freehand drawings that have only some of their parts.
     missing : float
@@ -53,7 +57,7 @@ class Variety:
     )
     wrinkles: float = 0.75
     mixed: float = 0.4
-    blended: float = 0.6
+    blended: float = 0.8
     partial: float = 0.4
     missing: float = 0.06
     view: float = 2.5
@@ -74,11 +78,16 @@ class _Face:
         mine, others = vars(self).values(), vars(other).values()
         return _Face(*(one + share * (two - one) for one, two in zip(mine, others, strict=True)))
 
-    def blended(self, other: _Face, middle: _Face, angle: float) -> _Face:
-        """Both faces' differences from the mean one, as the sides of a circle: so blended, faces vary as people do."""
-        faces = zip(vars(self).values(), vars(other).values(), vars(middle).values(), strict=True)
-        mine, others = math.cos(angle), math.sin(angle)
-        return _Face(*(mean + mine * (one - mean) + others * (two - mean) for one, two, mean in faces))
+
+def _blend(faces: list[_Face], weights: np.ndarray, middle: _Face) -> _Face:
+    """The mean face and a sum of others' differences from it: with weights of length 1 faces vary as people do."""
+    parts = zip(*(vars(face).values() for face in faces), strict=True)
+    return _Face(
+        *(
+            mean + np.tensordot(weights, np.stack(part) - mean, axes=1)
+            for part, mean in zip(parts, vars(middle).values(), strict=True)
+        )
+    )
 
 
 class Batch(NamedTuple):
@@ -152,7 +161,9 @@ class Examples(IterableDataset):
         self._by_expression = [kept[kept % len(expressions) == expression] for expression in range(len(expressions))]
         self._neutral = expressions.index("neutral")
         self._quiet = [expressions.index(name) for name in _QUIET_MOUTHS if name in expressions]
-        self._frequency = np.array([_RARE.get(name, 1.0) for name in expressions])
+        self._frequency, self._by_hand = (
+            np.array([often.get(name, 1.0) for name in expressions]) for often in (_RARE, _BY_HAND)
+        )
         self._poses = poses.astype(np.float32)
         self._middles = {number: self._middle(rows) for number, rows in enumerate(self._by_expression) if len(rows)}
         self._shape_model, self._reshaping, self._people = shape_model, reshaping, people
@@ -203,18 +214,17 @@ class Examples(IterableDataset):
 
     def _face(self, random: np.random.Generator, quiet: bool, freehand: bool) -> tuple[int, _Face]:
         """Number of a face and that face, or one blended or mixed of it and others, of which it is the most."""
-        row = self._pick_quiet(random) if quiet else self._pick(random)
+        row = self._pick_quiet(random) if quiet else self._pick(random, self._by_hand if freehand else self._frequency)
         expression = row % len(self._poses)
-        partner, angle = row, 0.0
-        if random.random() < self.variety.blended:  # somebody between two people
-            rivals = self._by_expression[expression]
-            partner, angle = int(rivals[random.integers(len(rivals))]), random.uniform(0.0, math.pi / 4)
-        face = self._somebody(row, partner, angle)
+        rows, weights = np.array([row]), np.ones(1, np.float32)
+        if random.random() < self.variety.blended:
+            rows, weights = self._company(row, random)
+        face = self._somebody(rows, weights)
         if not quiet and random.random() < self.variety.mixed:  # a weaker expression, or one between two
-            other = self._neutral if random.random() < 0.6 else self._pick(random) % len(self._poses)
+            other = self._neutral if random.random() < 0.6 else self._pick(random, self._frequency) % len(self._poses)
             step, most = other - expression, 0.7 if freehand else 0.5
-            if self._is_kept[[row + step, partner + step]].all():
-                face = face.mixed(self._somebody(row + step, partner + step, angle), random.uniform(0.0, most))
+            if self._is_kept[rows + step].all():
+                face = face.mixed(self._somebody(rows + step, weights), random.uniform(0.0, most))
         if freehand and self._reshaping is not None and random.random() < 0.5:
             ratio = math.exp(random.normal(0.07, 0.16) / 2)  # of width and height, the area kept
             jaw, crown = random.normal(0.0, 0.2), random.normal(0.0, 0.07)
@@ -235,12 +245,17 @@ class Examples(IterableDataset):
                         drawn[name] = at_rest[name] + factor * (drawn[name] - at_rest[name])
         return np.concatenate(list(drawn.values()))
 
-    def _somebody(self, row: int, partner: int, angle: float) -> _Face:
-        """A face of the table, blended with its partner's."""
-        face = self._stored(row)
-        if row == partner:
-            return face
-        return face.blended(self._stored(partner), self._middles[row % len(self._poses)], angle)
+    def _company(self, row: int, random: np.random.Generator) -> tuple[np.ndarray, np.ndarray]:
+        """A face and others of its expression to blend it with, and their weights: its own is no less than a half."""
+        others = random.choice(self._by_expression[row % len(self._poses)], _OTHERS)
+        angle, direction = random.uniform(0.0, math.pi / 3), random.normal(size=_OTHERS)
+        direction *= math.sin(angle) / np.linalg.norm(direction)
+        return np.array([row, *others]), np.array([math.cos(angle), *direction], dtype=np.float32)
+
+    def _somebody(self, rows: np.ndarray, weights: np.ndarray) -> _Face:
+        """A face of the table, or one blended of several (k,) by their weights (k,)."""
+        faces = [self._stored(int(row)) for row in rows]
+        return faces[0] if len(faces) == 1 else _blend(faces, weights, self._middles[int(rows[0]) % len(self._poses)])
 
     def _stored(self, row: int) -> _Face:
         person, expression = divmod(row, len(self._poses))
@@ -265,12 +280,13 @@ class Examples(IterableDataset):
         """A face whose mouth is at rest; sometimes its eyes are closed."""
         expression = self._quiet[-1] if random.random() < 0.15 else self._quiet[0]
         rows = self._by_expression[expression]
-        return int(rows[random.integers(len(rows))]) if len(rows) else self._pick(random)
+        return int(rows[random.integers(len(rows))]) if len(rows) else self._pick(random, self._frequency)
 
-    def _pick(self, random: np.random.Generator) -> int:
+    def _pick(self, random: np.random.Generator, frequency: np.ndarray) -> int:
+        """A face, its expression by its frequency (e,) among the others."""
         while True:
             row = int(self._kept[random.integers(len(self._kept))])
-            if random.random() < self._frequency[row % len(self._poses)]:
+            if frequency.max() * random.random() < frequency[row % len(self._poses)]:
                 return row
 
 

@@ -29,7 +29,7 @@ def accuracy_table(splits: dict[str, dict[str, dict[str, np.ndarray]]], faces: i
         f"Mean distance in mm between true and inferred skin vertices, over {faces:,} faces a column; the mean face is",
         "200 mm high. Drawings are exact, with the augmentation of the paper's 4.4 (noisy view, lines removed and",
         "deformed), or freehand by a simulated hand; which line each stroke is, is known. MMfitting moves the mean",
-        f"face by the lines alone, point for point. Made by `{command}`.",
+        f"face by the lines alone, features point for point. Made by `{command}`.",
         "",
         "| | " + " | ".join(f"{_SPLITS[split]}: {manner}" for split, manner in columns) + " |",
         "|---|" + "---|" * len(columns),

@@ -116,10 +116,22 @@ def test_a_settled_feature_out_of_reach_does_not_count():
     assert not match([far], ["left_brow"], True)[1].any()
 
 
-def test_a_dot_is_a_stroke():
-    drawn, weight = match([LINES["left_eye_upper"][[6]]], ["left_eye_upper"])
-    np.testing.assert_allclose(of("left_eye_lower", drawn), np.tile(LINES["left_eye_upper"][6], (12, 1)), atol=1e-6)
-    assert (of("left_eye_lower", weight) > 0).all()
+def test_a_dot_is_where_an_eye_is_and_no_shut_eye():
+    middle = LINES["left_eye_upper"][[6]] + [0.02, -0.01]
+    drawn, weight = match([middle], ["left_eye_upper"])
+    for name in ("left_eye_upper", "left_eye_lower"):
+        np.testing.assert_allclose(np.diff(of(name, drawn), axis=0), np.diff(LINES[name], axis=0), atol=1e-9)
+        assert (of(name, weight) == 1).all()
+    both = np.concatenate([of("left_eye_upper", drawn), of("left_eye_lower", drawn)])
+    np.testing.assert_allclose((both.min(axis=0) + both.max(axis=0)) / 2, middle[0], atol=1e-9)
+
+
+def test_the_lids_of_an_eye_drawn_higher_are_not_taken_for_each_other():
+    up = [0.0, -0.9 * np.ptp(LINES["left_eye_upper"][:, 1])]
+    strokes = [LINES[name] + up for name in ("left_eye_upper", "left_eye_lower")]
+    drawn, _ = match(strokes, ["left_eye_upper", "left_eye_lower"], True)
+    for name in ("left_eye_upper", "left_eye_lower"):
+        np.testing.assert_allclose(of(name, drawn), LINES[name] + up, atol=0.003)
 
 
 def shape_model():
