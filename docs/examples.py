@@ -8,8 +8,8 @@ from __future__ import annotations
 from pathlib import Path
 
 import sketchwidget as sw
+from sketchwidget.files import textfile
 from sketchwidget.session import Draw, file
-from sketchwidget.sketch import textfile
 
 DRAWINGS = Path(__file__).parent / "freehand"
 EXAMPLES = {"laugh": "08_laughing.json", "scowl": "07_angry.json", "gasp": "06_surprised.json"}

@@ -149,7 +149,7 @@ def fit(
     ------
     ValueError
         If landmarks or weights have another shape, are not finite, lie in a point or on a line, or show a face that is
-        mirrored or upside down.
+        mirrored or upside down; or another parameter is none.
 
     References
     ----------
@@ -158,8 +158,7 @@ def fit(
     counts = as_weights(weights)
     landmarks = as_landmarks(landmarks, counts)
     check_spread(landmarks[counts > 0])
-    if iterations < 1 or not (np.isfinite(pull) and pull > 0):
-        raise ValueError(f"a fit has at least one iteration and a positive pull; given {iterations} and {pull}")
+    _check_settings(start, iterations, pull)
     head = deformable_head(model or _shipped())
     state = _Fitting(head, landmarks, counts, pull, start)
     energies = []
@@ -168,6 +167,15 @@ def fit(
         if progress is not None:
             progress(Step(iteration, energies[-1], state.vertices, state.camera))
     return state.result(tuple(energies))
+
+
+def _check_settings(start: Any, iterations: Any, pull: Any) -> None:
+    if start is not None and not isinstance(start, CaricatureFit):
+        raise ValueError(f"a fit starts from a CaricatureFit; given {type(start).__name__}")
+    if not isinstance(iterations, int | np.integer) or isinstance(iterations, bool) or iterations < 1:
+        raise ValueError(f"a fit has a whole number of iterations, at least one; given {iterations!r}")
+    if not isinstance(pull, int | float | np.number) or not (np.isfinite(pull) and pull > 0):
+        raise ValueError(f"the pull of landmarks is a positive number; given {pull!r}")
 
 
 @lru_cache(maxsize=2)

@@ -7,9 +7,10 @@ from typing import Any
 import numpy as np
 
 from ..face.model import FaceModel
+from ..portrait.landmarks import OUTER_EYE_CORNERS
 
 COUNT = 3
-OUTER_EYE_CORNERS, CHIN = (36, 45), 8  # of the 68 landmarks in iBUG order
+CHIN = 8  # of the 68 landmarks in iBUG order
 
 _FLATTEST = 0.1  # of the distance of the eyes: with the chin nearer to their line, it is no face
 

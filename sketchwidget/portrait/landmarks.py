@@ -9,6 +9,7 @@ import numpy as np
 
 RIGHT_EYE, LEFT_EYE = slice(36, 42), slice(42, 48)  # the subject's, of the 68 landmarks in iBUG order
 EYES = {"right": RIGHT_EYE, "left": LEFT_EYE}
+OUTER_EYE_CORNERS = (36, 45)
 CONTOURS = (
     slice(0, 17),
     slice(17, 22),
@@ -49,7 +50,8 @@ class FaceLandmarks:
     @property
     def eye_distance(self) -> float:
         """Pixels between the outer corners of the eyes, the unit of errors of landmarks."""
-        return float(np.linalg.norm(self.points[36] - self.points[45]))
+        right, left = self.points[list(OUTER_EYE_CORNERS)]
+        return float(np.linalg.norm(right - left))
 
     def moved(self, transform: Any) -> FaceLandmarks:
         """The marks after ``transform``, which maps points (n, 2) to points (n, 2), locally a similarity."""

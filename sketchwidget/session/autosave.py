@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Sequence
 
-from sketchwidget.sketch import textfile
+from sketchwidget.files import textfile
 
 from . import file
 from .events import Event

@@ -59,7 +59,7 @@ def unpack(text: str) -> np.ndarray:
         unzip = zlib.decompressobj()
         data = unzip.decompress(base64.b64decode(text, validate=True), limit + 1)
     except (binascii.Error, zlib.error, ValueError) as error:
-        raise ValueError(f"these are no packed vertices: {error}") from error
+        raise ValueError("these are no packed vertices: damaged, or another text") from error
     if len(data) > limit or len(data) % 12 or not unzip.eof or unzip.unused_data:
         raise ValueError(f"these are no packed vertices: cut short, or more than {MAX_VERTICES:,}")
     planes = np.frombuffer(data, dtype=np.uint8).reshape(4, -1)

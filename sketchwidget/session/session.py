@@ -10,10 +10,11 @@ import numpy as np
 from traitlets import Any as AnyTrait
 from traitlets import Bool, Dict, Float, HasTraits, Instance, Unicode, default
 
+from sketchwidget.files import textfile
 from sketchwidget.geometry.enclosure import brushed
 from sketchwidget.geometry.view import View
 from sketchwidget.gesture.names import LEFT_ARROW, RIGHT_ARROW
-from sketchwidget.sketch import Sketch, as_stroke, textfile
+from sketchwidget.sketch import Sketch, as_stroke
 from sketchwidget.sketch.erase import as_radius
 
 from . import file, profile
@@ -412,6 +413,11 @@ class Session(HasTraits):
         """
         self._autosave = Autosave(path)
         self._autosave.write(self._events, self.inference)
+
+    @property
+    def autosaved(self) -> str | os.PathLike[str] | None:
+        """The file that `autosave` keeps up to date, if any."""
+        return None if self._autosave is None else self._autosave.path
 
     @classmethod
     def load(

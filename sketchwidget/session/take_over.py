@@ -91,16 +91,17 @@ def exaggerated(state: State, amount: float, modeller: Modeller) -> State:
     former = state.exaggeration
     if amount == (1.0 if former is None else former.amount):
         return state
-    before = left(state) if former is None else former.before
+    before = state if former is None else former.before
     if amount == 1.0:
         return before
-    face = exaggerate(modeller.head(before).face, amount)
+    whole = left(before)
+    face = exaggerate(modeller.head(whole).face, amount)
     rounded(face.vertices)  # refuses what is larger than any head
     taken = taken_over(face, modeller)
     return replace(
         taken,
         mode="refine" if before.mode == "refine" else taken.mode,
-        refinement=replace(before.refinement, layer=None),
+        refinement=replace(whole.refinement, layer=None),
         exaggeration=Exaggeration(amount, before),
     )
 

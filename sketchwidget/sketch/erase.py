@@ -108,7 +108,7 @@ def _distance(points: np.ndarray, line: np.ndarray) -> np.ndarray:
 
 
 def as_radius(radius: Any) -> float:
-    """The radius of an eraser as a float.
+    """The radius of an eraser or a brush as a float.
 
     Raises
     ------
@@ -118,7 +118,7 @@ def as_radius(radius: Any) -> float:
     low, high = RADIUS_RANGE
     is_number = isinstance(radius, int | float | np.number) and not isinstance(radius, bool | np.complexfloating)
     if not (is_number and low <= radius <= high):
-        raise ValueError(f"the radius of an eraser is a number from {low:g} to {high:g} canvas units; given {radius!r}")
+        raise ValueError(f"the radius is a number from {low:g} to {high:g} canvas units; given {radius!r}")
     return float(radius)
 
 

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from . import textfile
+from ..files import textfile
 from .names import COLOURS, UNNAMED, kind
 from .raster import THICKNESS, rasterise
 from .stroke import as_points, as_stroke

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -27,6 +27,7 @@ ACCEPTED = "image/*,.tif,.tiff,.webp"
 INVITATION = "Open a picture of a face"
 CLICKS = ("the outer corners of both eyes, then the chin", "the outer corner of the other eye", "the chin")
 DRAG = "Drag any landmark to where it belongs."
+PICTURES = 5  # of up to 13 MB each, that undo and redo bring back
 
 # Jaw, brows, nose, eyes and mouth, in iBUG order; the last number closes a line.
 LINES = (
@@ -80,6 +81,10 @@ class Marked:
         return FaceLandmarks(self.landmarks, eyelids, irises, self.found.score)
 
 
+def _few_pictures(steps: Sequence[Marked]) -> bool:
+    return len({id(step.picture) for step in steps if step.picture is not None}) <= PICTURES
+
+
 class Marking:
     """The picture that tabs of the Studio share, with its pad and the buttons for it.
 
@@ -97,7 +102,7 @@ class Marking:
 
     def __init__(self, status: Status, detector: FaceDetector | None = None) -> None:
         self._status, self._detector = status, detector
-        self._steps = Steps(Marked())
+        self._steps = Steps(Marked(), _few_pictures)
         self._shown = Marked()
         self._change_callbacks = CallbackDispatcher()
         self.pad = PicturePad(invitation=INVITATION)

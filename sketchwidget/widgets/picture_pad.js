@@ -128,7 +128,12 @@ async function render({ model, el }) {
     [...dots.children].forEach((dot, at) => dot.classList.toggle("sketchwidget-near", at === number));
   }
 
+  /** Shows the kernel's points, once it has answered all moves: before that, they lag behind the hand. */
   function follow() {
+    if (asked === null) take();
+  }
+
+  function take() {
     const given = model.get("points");
     const held = drag && drag.number >= 0 && drag.number < given.length ? points[drag.number] : null;
     points = given.map((point) => [...point]);
@@ -209,7 +214,7 @@ async function render({ model, el }) {
     const { number, moved } = drag;
     drag = null;
     pad.classList.remove("sketchwidget-drawing");
-    follow();
+    take();
     if (number >= 0 && moved && number < points.length) tell(number, true); // back to where it was
   }
 
@@ -236,7 +241,9 @@ async function render({ model, el }) {
   }
 
   function answer(message) {
-    if (message.type === "answer" && message.move === asked) asked = null;
+    if (message.type !== "answer" || message.move !== asked) return;
+    asked = null;
+    follow();
   }
 
   /** Without a picture, a click is one on the button of the same Studio that opens one. */

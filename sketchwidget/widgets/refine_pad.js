@@ -52,6 +52,8 @@ function render({ model, el }) {
   let handles = new Int32Array();
   let border = new Int32Array();
   let drawn = "";
+  let seen = ""; // the head and the camera of `nearest`
+  let nearest = null;
   let frame = 0;
   let fading = 0;
 
@@ -71,7 +73,7 @@ function render({ model, el }) {
       const at = 3 * vertex;
       return [view.centre[0] + view.scale * dot(x, position, at), view.centre[1] - view.scale * dot(y, position, at), dot(z, position, at)];
     };
-    const nearest = surface(geometry.index.array, place);
+    nearest ??= surface(geometry.index.array, place);
     return (vertex) => {
       const [px, py, depth] = place(vertex);
       const facing = !normal || dot(z, normal, 3 * vertex) > 0;
@@ -146,8 +148,9 @@ function render({ model, el }) {
     frame = model.get("active") && host?.isConnected ? requestAnimationFrame(watch) : 0;
     if (!host?.sketchwidget) return;
     const { camera, serial } = host.sketchwidget;
-    const state = [serial, host.clientWidth, camera.zoom, camera.left, camera.top, ...camera.matrixWorld.elements, handles.length,
-      border.length, stroke?.points.length, last?.id].join();
+    const sight = [serial, camera.zoom, camera.left, camera.top, ...camera.matrixWorld.elements].join();
+    if (sight !== seen) [seen, nearest] = [sight, null];
+    const state = [sight, host.clientWidth, handles.length, border.length, stroke?.points.length, last?.id].join();
     if (state === drawn) return;
     drawn = state;
     paint();

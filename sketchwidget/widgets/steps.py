@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from typing import Generic, TypeVar
 
 T = TypeVar("T")
+
+KEPT = 50  # steps that can be taken back
 
 
 class Steps(Generic[T]):
@@ -13,11 +16,15 @@ class Steps(Generic[T]):
     Parameters
     ----------
     first : T
+    light : callable, optional
+        ``light(values)``: whether so many are light enough to be kept. Of too many, and of more than 50 before the
+        present one, the oldest are forgotten.
     """
 
-    def __init__(self, first: T) -> None:
+    def __init__(self, first: T, light: Callable[[Sequence[T]], bool] = lambda _: True) -> None:
         self._states = [first]
         self._now = 0
+        self._light = light
 
     @property
     def present(self) -> T:
@@ -46,5 +53,7 @@ class Steps(Generic[T]):
 
     def go_to(self, value: T) -> None:
         """Let it be something else from now on."""
-        self._now += 1
-        self._states[self._now :] = [value]
+        self._states[self._now + 1 :] = [value]
+        while len(self._states) > KEPT + 1 or (len(self._states) > 1 and not self._light(self._states)):
+            del self._states[0]
+        self._now = len(self._states) - 1

@@ -169,6 +169,18 @@ def test_any_head_is_exaggerated_and_all_moves_of_the_slider_are_one_step(page, 
     until(studio.ink_pixels, lambda pixels: abs(pixels - ink) < 0.02 * ink, "the drawing of before")
 
 
+def test_quick_arrow_keys_all_count(tab, drawn) -> None:
+    begin(tab, drawn)
+    before = tab.marks()
+    tab.page.mouse.click(*tab.on_picture(before[NOSE_TIP]))
+    for _ in range(12):
+        tab.page.keyboard.press("ArrowRight")
+    until(lambda: tab.message, lambda said: said.startswith("The head meets"), "the fit")
+    moved = settled(lambda: tuple((tab.marks() - before)[NOSE_TIP]))
+    side = float((tab.picture.locator("svg").get_attribute("viewBox") or "").split()[2])
+    assert moved == pytest.approx((12 * 0.002 * side, 0), abs=0.05)
+
+
 def test_bad_files_are_a_sentence_and_lose_nothing(tab, drawn) -> None:
     begin(tab, drawn)
     before = tab.marks()

@@ -123,6 +123,22 @@ def test_it_goes_on_only_from_a_fit_of_the_same_model(fitted, drawn):
         fit(drawn[1], model=sw.FaceModel.load(), start=fitted[0])
 
 
+@pytest.mark.parametrize(
+    ("given", "expected"),
+    [
+        ({"iterations": 1.5}, "whole number of iterations, at least one; given 1.5"),
+        ({"iterations": 0}, "given 0"),
+        ({"iterations": True}, "given True"),
+        ({"pull": -1}, "positive number; given -1"),
+        ({"pull": "strong"}, "positive number; given 'strong'"),
+        ({"start": "a face"}, "starts from a CaricatureFit; given str"),
+    ],
+)
+def test_other_settings_are_refused(drawn, model, given, expected):
+    with pytest.raises(ValueError, match=expected):
+        fit(drawn[1], model=model, **given)
+
+
 def test_extreme_landmarks_give_a_head(drawn, model):
     """A jaw three times as wide: whatever it looks like, it is finite and keeps to the landmarks."""
     wide = drawn[1].copy()

@@ -8,8 +8,8 @@ import time
 
 import pytest
 
+from sketchwidget.files import textfile
 from sketchwidget.session import Session
-from sketchwidget.sketch import textfile
 
 KERNEL = """
 import sys

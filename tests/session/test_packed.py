@@ -49,5 +49,5 @@ def test_a_bomb_is_refused_before_it_is_decompressed():
 
 @pytest.mark.parametrize("text", ["", "?", "AAAA", pack(rounded(np.ones((5, 3))))[:-8], "eJwDAAAAAAE="])
 def test_other_text_is_refused(text):
-    with pytest.raises(ValueError, match=r"no packed vertices|shape \(0, 3\)"):
+    with pytest.raises(ValueError, match=r"no packed vertices: (damaged|cut short)|shape \(0, 3\)"):
         unpack(text)

@@ -7,8 +7,9 @@ import traitlets
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
+from sketchwidget.files import textfile
 from sketchwidget.session import Clear, Draw, Erase, Mode, Redo, Session, SessionFileError, Undo
-from sketchwidget.sketch import Sketch, textfile
+from sketchwidget.sketch import Sketch
 from sketchwidget.sketch.sketch import MAX_STROKES
 
 STROKE = [[0.1, 0.2], [0.3, 0.4]]

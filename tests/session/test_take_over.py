@@ -11,7 +11,10 @@ import sketchwidget as sw
 from sketchwidget.face.handles import LINES
 from sketchwidget.geometry import View
 from sketchwidget.session import Session, SessionFileError
-from sketchwidget.session.events import TakeOver
+from sketchwidget.session.apply import apply
+from sketchwidget.session.events import Erase, Exaggerate, TakeOver
+from sketchwidget.session.modeller import Modeller
+from sketchwidget.session.state import State
 from sketchwidget.session.take_over import standing
 from sketchwidget.sketch import resample
 
@@ -266,6 +269,17 @@ def test_an_erased_line_is_back_before_the_head_is_exaggerated(session, someone)
     session.erase(piece[len(piece) // 2], radius=0.005)
     session.exaggerate(2)
     assert session.gap is None and away(session.face, sw.caricature.exaggerate(shown, 2)) < 0.01
+    session.exaggerate(1)
+    assert session.gap is not None  # it is as it was
+
+
+def test_exaggerating_by_one_gives_the_very_state_from_before(model):
+    modeller = Modeller(None, inference=False)
+    head = apply(State(), TakeOver(model.face(model.bilinear.identities[3]).vertices), modeller)
+    piece = head.sketch.lines["nose"][0]
+    erased = apply(head, Erase(piece[len(piece) // 2 :][:1], 0.005), modeller)
+    bold = apply(apply(erased, Exaggerate(2), modeller), Exaggerate(1.5), modeller)
+    assert erased.followup.gap is not None and apply(bold, Exaggerate(1), modeller) is erased
 
 
 @pytest.mark.parametrize("amount", [-0.1, 3.1, np.nan, "more", None])

@@ -135,7 +135,7 @@ def test_10000_strokes_are_erased():
 
 @pytest.mark.parametrize("radius", [0, -0.1, 1.5, float("nan"), float("inf"), "0.1", None, True, 1j, [0.1]])
 def test_a_radius_out_of_range_is_an_error(radius):
-    with pytest.raises(ValueError, match="the radius of an eraser"):
+    with pytest.raises(ValueError, match="the radius is a number"):
         erase(Sketch(), [[0.5, 0.5]], radius)
 
 

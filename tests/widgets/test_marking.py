@@ -121,6 +121,17 @@ def test_everything_can_be_undone():
     assert made.redo() and made.present.landmarks is not None
 
 
+def test_of_many_pictures_undo_brings_back_the_last_few():
+    made = marking(0)
+    for number in range(9):
+        made.open(PICTURE + np.uint8(number))
+        made._on_click(np.array(CLICKS[0]))
+    for number in range(8, 9 - room.PICTURES, -1):
+        assert made.undo() and made.undo() and made.present.picture[0, 0, 0] == 199 + number
+    assert made.undo() and not made.undo()  # the click on the oldest
+    assert made.present.picture[0, 0, 0] == 200 + 9 - room.PICTURES
+
+
 @pytest.mark.parametrize(
     ("data", "reason"),
     [

@@ -1,6 +1,6 @@
 import pytest
 
-from sketchwidget.sketch import textfile
+from sketchwidget.files import textfile
 
 
 def test_what_is_written_is_read(tmp_path):
