@@ -11,6 +11,14 @@ settings.register_profile("untimed", deadline=None)
 settings.load_profile("untimed")
 
 
+@pytest.fixture(scope="session", autouse=True)
+def state_of_no_user(tmp_path_factory):
+    """What Studios keep is kept elsewhere, in kernels too."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("XDG_STATE_HOME", str(tmp_path_factory.mktemp("state")))
+        yield
+
+
 @pytest.fixture(scope="session")
 def three_expressions():
     from small_database import ThreeExpressions

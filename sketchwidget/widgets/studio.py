@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from contextlib import suppress
+from pathlib import Path
 from threading import Thread
 from typing import TYPE_CHECKING, Any
 
@@ -17,9 +18,11 @@ from ..session.take_over import standing
 from ..sketch import SILHOUETTE, Segment, Sketch
 from . import toolbar
 from .caricaturing import Caricaturing
+from .connection import Connection
 from .exaggerating import Exaggerating
 from .files import Files
 from .head_view import HeadView
+from .keeping import Keeping, files
 from .keyboard import Keyboard
 from .marking import Marking
 from .mesh_stream import Skin
@@ -75,6 +78,7 @@ class Studio(VBox):
         self._pad = Pad()
         self._head = HeadView(self._resting_face)
         self._status = Status()
+        self._keeping, self._connection = Keeping(), Connection()
         self._side = "front"  # the view that the pad shows: in follow-up sketching also the profile's
         self._shown: tuple[Any, ...] = (None,) * 7  # what of the session is on show
         self._worn: tuple[Skin | None, Any] = (None, None)  # a texture, and the layer of the head that it is for
@@ -91,6 +95,11 @@ class Studio(VBox):
 
     def __repr__(self) -> str:
         return f"Studio({self.session!r})"
+
+    @staticmethod
+    def kept() -> list[Path]:
+        """What was drawn in Studios on a page of late, the newest first: files for `Session.load`."""
+        return files()
 
     # -- building ------------------------------------------------------------------------------------------------------
 
@@ -141,7 +150,7 @@ class Studio(VBox):
         right = VBox([_row(*head_bars), self._head.widget, *below]).add_class("sketchwidget-panel")
         desk = Box([left, right]).add_class("sketchwidget-desk")
         keyboard = Keyboard(bindings=toolbar.bindings(TOOLS, TABS, REFINING_TOOLS))
-        return [title, desk, self._status, self._files.downloads, keyboard, self._refining.pad]
+        return [title, desk, self._status, self._connection, self._files.downloads, keyboard, self._refining.pad]
 
     # -- the session, shown --------------------------------------------------------------------------------------------
 
@@ -163,6 +172,7 @@ class Studio(VBox):
             self._shown = state
             with self._status.reporting("The Studio could not show the change"):
                 self._show_all()
+            self._keep()
 
     def _show_all(self) -> None:
         session = self.session
@@ -252,6 +262,12 @@ class Studio(VBox):
         """Load the network while the user looks at the page: the first stroke would wait some seconds for it."""
         if not self._waking.ident:
             self._waking.start()
+        self._keep()
+
+    def _keep(self) -> None:
+        """Keep what was drawn, once somebody sees it: a script saves what it wants to."""
+        if self._waking.ident:
+            self._connection.kept = self._keeping.keep(self.session)
 
     # -- what the user does --------------------------------------------------------------------------------------------
 
