@@ -1,7 +1,7 @@
 """Builds Binder's environment in a fresh virtual environment and tries it: `python binder/check.py`.
 
-Nothing of the Python that runs this is used, and nothing is left behind. What fails or takes too long ends it with a
-non-zero status.
+In the end it becomes that of the image for a JupyterHub, whose server must start in it. Nothing of the Python that runs
+this is used, and nothing is left behind. What fails or takes too long ends it with a non-zero status.
 """
 
 from __future__ import annotations
@@ -47,6 +47,20 @@ def build(folder: Path) -> dict[str, str]:
     return where
 
 
+def make_hubs(folder: Path, where: dict[str, str]) -> None:
+    """Add what the image for a JupyterHub has beside Binder's environment, and ask the server that it starts."""
+    python = folder / "venv" / "bin" / "python"
+    lines = (BINDER / "hub" / "requirements.txt").read_text().splitlines()
+    more = folder / "hub.txt"
+    more.write_text("\n".join(line for line in lines if not line.startswith("-r ")))
+    for command in (
+        ("-m", "pip", "install", "--quiet", "-r", more),
+        ("-m", "pip", "check"),
+        ("-m", "jupyterhub.singleuser", "--version"),
+    ):
+        subprocess.run([python, *command], cwd=folder, env=where, timeout=INSTALLING, check=True)
+
+
 def main() -> None:
     """Build, try, and tell how long both took."""
     with tempfile.TemporaryDirectory(prefix="binder-") as name:
@@ -57,6 +71,7 @@ def main() -> None:
         for script in ("smoke.py", "page.py"):
             command = [str(folder / "venv" / "bin" / "python"), str(BINDER / script)]
             subprocess.run(command, cwd=folder, env=where, timeout=TRYING, check=True)
+        make_hubs(folder, where)
         print(f"Binder's environment works: built in {built - began:.0f} s, tried in {time.monotonic() - built:.0f} s")
 
 
