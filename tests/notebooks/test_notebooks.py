@@ -1,5 +1,6 @@
 """Every notebook runs from top to bottom, and is committed as it ran."""
 
+import re
 from pathlib import Path
 
 import nbformat
@@ -26,5 +27,21 @@ def test_is_committed_with_its_outputs(path):
     assert path.stat().st_size < 2e6
 
 
-def test_there_are_notebooks():
-    assert NOTEBOOKS
+@pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda path: path.stem)
+def test_has_aims_formulas_pictures_exercises_and_what_comes_of_them(path):
+    notebook = nbformat.read(path, as_version=4)
+    first, *texts = [cell.source for cell in notebook.cells if cell.cell_type == "markdown"]
+    assert first.startswith("# ") and "**Aims.** After it you can" in first and re.search("[Rr]uns in", first)
+    assert any(re.search(r"\$[^$]+\$", text) for text in texts)
+    kinds = {kind for cell in notebook.cells for output in cell.get("outputs", []) for kind in output.get("data", {})}
+    assert kinds & {"image/png", "image/jpeg"}
+    *_, last = texts
+    exercises, _, folded = last.partition("## Try it")[2].partition("<details><summary>")
+    assert "</details>" in folded and folded.startswith(("Solutions", "Hints"))
+    numbers = [re.findall(r"^(\d)\. ", part, re.MULTILINE) for part in (exercises, folded)]
+    assert len(numbers[0]) >= 3 and numbers[0] == numbers[1]
+
+
+def test_the_readme_lists_the_course_in_order():
+    readme = (FOLDER.parent / "README.md").read_text()
+    assert re.findall(r"^- `(\d\d_\w+\.ipynb)`:", readme, re.MULTILINE) == [path.name for path in NOTEBOOKS]
