@@ -20,21 +20,19 @@ from jupyter_page import launch_chromium, open_in_lab, serve, write_notebook  # 
 from studio_page import StudioPage, until  # noqa: E402
 
 DRAWING = FOLDER / "freehand" / "08_laughing.json"
-# Its picture is one of a head of our own, and its landmarks are known.
-CARICATURE = """
+EMPTY = "import sketchwidget as sw\n\nstudio = sw.Studio()\nstudio"
+# A picture of a head of our own, whose landmarks are known.
+PICTURE = """
 import numpy as np
-import sketchwidget as sw
-from sketchwidget.caricature import Camera
 from sketchwidget.geometry import rotation_about_y
 
 model = sw.FaceModel.load()
 head = sw.caricature.exaggerate(model.face(model.bilinear.identities[4 * 33], "smile"), 1.6)
 view = sw.View(rotation_about_y(-14), 1 / 270, np.array([0.5, 0.48]))
-studio = sw.Studio()
 studio.marking.open(head.picture(view, 900))
 studio.marking.place(900 * view.project(head.landmarks))
-studio
 """
+RUN = "code => window.jupyterapp.shell.currentWidget.sessionContext.session.kernel.requestExecute({ code }).done"
 
 
 def main() -> None:
@@ -42,21 +40,17 @@ def main() -> None:
     with tempfile.TemporaryDirectory() as folder, sync_playwright() as playwright:
         browser = launch_chromium(playwright)
         with serve("lab", Path(folder)) as address:
-
-            def opened(name: str, code: str) -> StudioPage:
-                page = browser.new_page(viewport={"width": 1280, "height": 900}, device_scale_factor=1.5)
-                open_in_lab(page, address, write_notebook(Path(folder), name, code))
-                return StudioPage(page).wait_until_shown()
-
-            studio = opened("studio", "import sketchwidget as sw\nsw.Studio()")
+            page = browser.new_page(viewport={"width": 1280, "height": 900}, device_scale_factor=1.5)
+            open_in_lab(page, address, write_notebook(Path(folder), "studio", EMPTY))
+            studio = StudioPage(page).wait_until_shown()
             for segment in sw.Sketch.load(DRAWING).segments:
                 before = studio.serial
                 studio.draw(segment.points.tolist())
                 studio.wait_for_frame(before)
             studio.root.screenshot(path=FOLDER / "studio.png")
 
-            studio = opened("caricature", CARICATURE)
             studio.press("c")
+            page.evaluate(RUN, PICTURE)
             until(lambda: studio.message, lambda said: said.startswith("The head meets"), "the fit")
             until(studio.turning, lambda turning: not turning)
             studio.root.locator(".sketchwidget-figures").evaluate("figures => figures.remove()")  # of a busy machine

@@ -172,6 +172,7 @@ class Studio(VBox):
             self._shown = state
             with self._status.reporting("The Studio could not show the change"):
                 self._show_all()
+                self._status.say(self._expected)  # what the user did says more after that, a script does not
             self._keep()
 
     def _show_all(self) -> None:
