@@ -4,6 +4,7 @@ import os
 import pickle
 import warnings
 from io import BytesIO
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -13,11 +14,16 @@ from hypothesis import strategies as st
 from PIL import Image
 from safetensors.numpy import save
 
+import sketchwidget
 from sketchwidget.avatar.stylegan import load_generator
+from sketchwidget.avatar.template import AvatarTemplate
 from sketchwidget.database.drawings import read_drawings
 from sketchwidget.database.obj import read_obj
+from sketchwidget.face import FaceModel
 from sketchwidget.files import tensorfile
+from sketchwidget.gesture import recordings
 from sketchwidget.gesture.classifier import GestureClassifier
+from sketchwidget.inference.network_file import read_network
 from sketchwidget.portrait.picture import load_picture
 from sketchwidget.session import Draw, Erase, Gesture, Mode, Session, Undo, file
 from sketchwidget.sketch import Sketch
@@ -32,9 +38,23 @@ def session_text():
     return file.dumps([*events, Gesture(STROKE, "left")]).encode()
 
 
+def sketch():
+    return b'{"format":"sketchwidget sketch","version":1,"segments":[{"name":"nose","points":[[0,0],[1,1]]}]}'
+
+
 def drawing_lines():
     header = b'{"format":"sketchwidget drawings","version":1}\n'
-    return header + b'{"strokes":[[[0.1,0.2,0.5,0],[0.3,0.4,0.5,9]]],"view":"front"}\n'
+    head = b'"identity":[0.5],"expression":[1,0],"model":"' + 64 * b"a" + b'","view":"front"}\n'
+    return header + b'{"strokes":[[[0.1,0.2,0.5,0],[0.3,0.4,0.5,9]]],' + head
+
+
+def gesture_lines():
+    header = b'{"format":"sketchwidget gestures","version":1}\n'
+    return header + b'{"name":"line","points":[[0.1,0.2,0.5,0],[0.3,0.4,0.5,9],[0.5,0.5,0.5,20]]}\n'
+
+
+def shipped(name):
+    return (Path(sketchwidget.__file__).parent / "data" / f"{name}.safetensors").read_bytes()
 
 
 def picture():
@@ -57,9 +77,11 @@ def load_checkpoint(path):
     return Checkpoints(path.parent, {}, "x").resume(9, 9, torch.device("cpu"))
 
 
+HEAD = 8000  # bytes, within which files are damaged: there they say what they hold
+
 READERS = {
     "session": ("drawing.jsonl", session_text(), lambda path: file.loads(path.read_text(encoding="utf-8"))),
-    "sketch": ("s.json", b'{"format":"x","segments":[{"name":"nose","points":[[0,0],[1,1]]}]}', Sketch.load),
+    "sketch": ("s.json", sketch(), Sketch.load),
     "drawings": ("d.jsonl", drawing_lines(), read_drawings),
     "mesh": ("head.obj", b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", read_obj),
     "picture": ("me.png", picture(), load_picture),
@@ -67,14 +89,25 @@ READERS = {
     "checkpoint": ("last.pt", checkpoint(), load_checkpoint),
     "generator": ("g.pt", checkpoint(), load_generator),
     "generator's tensors": ("g.safetensors", tensors(), load_generator),
-    "classifier": ("c.safetensors", tensors(), GestureClassifier.load),
+    "recordings": ("r.jsonl", gesture_lines(), recordings.FILE.read),
+    "classifier": ("c.safetensors", shipped("gestures"), GestureClassifier.load),
+    "model": ("m.safetensors", shipped("face"), FaceModel.load),
+    "network": ("n.safetensors", shipped("pixelshapecnn"), read_network),
+    "avatars' template": ("a.safetensors", shipped("avatar"), AvatarTemplate.load),
 }
+
+
+@pytest.mark.parametrize("reader", [name for name in READERS if not name.startswith("generator")])
+def test_a_sound_file_is_read(reader, tmp_path):
+    name, whole, read = READERS[reader]
+    (tmp_path / name).write_bytes(whole)
+    assert read(tmp_path / name) is not None
 
 
 @st.composite
 def damaged(draw, whole):
     """A file of which a piece was cut out, replaced or repeated."""
-    start = draw(st.integers(0, len(whole)))
+    start = draw(st.integers(0, min(len(whole), HEAD)))
     stop = draw(st.one_of(st.integers(start, min(len(whole), start + 8)), st.just(len(whole))))
     return whole[:start] + draw(st.one_of(st.binary(max_size=12), st.just(whole[start:stop] * 2))) + whole[stop:]
 

@@ -65,6 +65,11 @@ def test_a_narrow_page_stacks_pad_and_head(studio_voila: StudioPage) -> None:
         studio_voila.page.set_viewport_size({"width": 420, "height": 900})
         until(lambda: studio_voila.head.bounding_box()["y"] > studio_voila.pad.bounding_box()["y"] + 100)  # type: ignore[index]
         assert studio_voila.page.evaluate("document.documentElement.scrollWidth") <= 420
+        box = studio_voila.root.bounding_box()
+        for button in studio_voila.root.locator("button:visible").all():
+            place = button.bounding_box()
+            assert box is not None and place is not None
+            assert box["x"] <= place["x"] and place["x"] + place["width"] <= box["x"] + box["width"]
     finally:
         studio_voila.page.set_viewport_size(size)
 
@@ -192,6 +197,37 @@ def test_two_studios_on_a_page_do_not_interfere(open_studio: Callable[..., Studi
     second.press("Control+z")
     until(second.ink_pixels, lambda pixels: pixels == 0, "an empty second pad")
     assert first.ink_pixels() == ink
+
+
+def test_a_studio_shown_twice_is_one_studio(open_studio: Callable[..., StudioPage]) -> None:
+    first = open_studio("voila", code="studio = sw.Studio()\ndisplay(studio, studio)")
+    second = StudioPage(first.page, 1).wait_until_shown()
+    ink = drawn(second)
+    assert np.array_equal(second.positions(), first.positions())
+    first.root.scroll_into_view_if_needed()
+    until(first.ink_pixels, lambda pixels: abs(pixels - ink) < 0.02 * ink, "the same drawing")
+    first.press("Control+z")
+    for shown in (first, second):
+        until(shown.ink_pixels, lambda pixels: pixels == 0, "an empty pad")
+    assert first.message == second.message
+
+
+def test_on_a_page_zoomed_in_strokes_land_under_the_pen_and_all_is_sharp(studio_voila: StudioPage) -> None:
+    # What a browser's zoom of 150 % is to a page: as many pixels, but fewer and larger units.
+    devtools = studio_voila.page.context.new_cdp_session(studio_voila.page)
+    zoomed = {"width": 853, "height": 600, "deviceScaleFactor": 1.5, "mobile": False}
+    devtools.send("Emulation.setDeviceMetricsOverride", zoomed)
+    try:
+        until(studio_voila.pad_size, lambda size: size[0] >= size[1] - 1, "a pad as fine as the screen")
+        studio_voila.pad.scroll_into_view_if_needed()
+        drawn(studio_voila)
+        rows, columns = np.nonzero(studio_voila.ink()[..., 3] > 200)
+        seen = np.array([columns.min(), columns.max(), rows.min(), rows.max()]) / studio_voila.pad_size()[0]
+        (left, top), (right, bottom) = OVAL.min(axis=0), OVAL.max(axis=0)
+        np.testing.assert_allclose(seen, [left, right, top, bottom], atol=0.01)
+    finally:
+        devtools.send("Emulation.clearDeviceMetricsOverride")
+        devtools.detach()
 
 
 def test_the_drawing_is_there_again_after_a_reload(studio_lab: StudioPage) -> None:
