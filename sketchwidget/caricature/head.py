@@ -13,8 +13,8 @@ from scipy.sparse.csgraph import connected_components
 from scipy.sparse.linalg import SuperLU, splu
 from scipy.spatial import KDTree
 
+from ..face.attached import attached_parts
 from ..face.exaggeration import LEVELS
-from ..face.handles import attached_parts
 from ..face.model import FaceModel
 from ..face.template import PARTS
 from ..geometry.alignment import similarity

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial import KDTree
 
-from .handles import Attached
+from .attached import Attached
 from .template import PARTS, Template
 
 _APART = 0.08  # radians between a vertex of the skin and that of the part below, seen from its middle

@@ -3,20 +3,22 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from itertools import pairwise
+from typing import Literal
 
-import igl
 import numpy as np
 from scipy import sparse
-from scipy.sparse.csgraph import connected_components, dijkstra
+from scipy.sparse.csgraph import dijkstra
 from scipy.spatial import KDTree
 
 from ..geometry.handle_deformation import HandleDeformation
+from ..geometry.unfolding import Unfolding
 from ..sketch import FEATURES, SILHOUETTE
+from .attached import attached_parts, in_front
 from .template import PARTS, Template
 
 LINES = (SILHOUETTE, *FEATURES)
+Way = Literal["linear", "turning", "unfolded"]
 
 _SOFTNESS = 1e-2  # mm^2 of the energy: a drawn line is met within tenths of a millimetre, not every tremor in it
 _ANCHOR = 100.0**-4  # 1 / mm^4: the back of the head stays
@@ -26,17 +28,19 @@ _OFF_MIDDLE = 1.0  # mm off the middle that make a way twice as long
 _DEPTH_KEPT = ("silhouette", "ear", "eye")  # lines, by a part of their name, that stay in depth when the profile moves
 _HANGING = 4.0  # mm from the lips within which the inside of the mouth goes with them
 _COVERING, _BLUR = 12, 5.0  # vertices of the skin in front, and mm by which their displacements are blurred
-_FACING = 0.2  # z of a normal
+_IRIS, _RIM_COVERING = (
+    0.6,
+    4,
+)  # of an eyeball's radius within which it is rigid; vertices of skin that its rim goes with
 _AT_A_LINE = 6.0  # mm from a line of the front view, within which that gives the profile its height
 
 
 class CurveHandles:
     """Deforms heads of one topology by their lines.
 
-    Skin deforms smoothly, by a displacement of the coarse mesh that is refined as the mesh itself. What is behind it
-    keeps behind it: the inside of the mouth goes with the lips where it hangs on them, and deeper with the skin before
-    it; teeth and tongue follow that skin by a shift, and get narrower if it does; an eyeball follows the corners of
-    its lids by a similarity of the front view.
+    Skin deforms smoothly, by a displacement of the coarse mesh that is refined as the mesh itself; where that would
+    fold it, it gives way until it does not. What is behind it keeps behind it: the inside of the mouth goes with the
+    lips where it hangs on them, and deeper with the skin before it; eyes, teeth and tongue follow, as `Attached` says.
 
     Parameters
     ----------
@@ -68,6 +72,15 @@ class CurveHandles:
             _ANCHOR,
             usual=np.arange(len(front) + len(self.profile)) < len(front),
         )
+        self._unfolding = Unfolding(
+            self._coarse[soft],
+            faces,
+            self._spread,
+            _of_skin(template.coarse_faces, template),
+            _of_skin(template.faces, template),
+            self._deformation.handles,
+            _SOFTNESS,
+        )
         away = np.linalg.norm(self._rest[self.profile][:, None] - self._rest[front], axis=2).min(axis=1)
         self._height_given = away < _AT_A_LINE
         self._parts = attached_parts(template, rest)
@@ -77,7 +90,7 @@ class CurveHandles:
         vertices: np.ndarray,
         targets: Mapping[str, np.ndarray],
         profile: np.ndarray | None = None,
-        turning: bool = False,
+        way: Way = "unfolded",
     ) -> np.ndarray:
         """A head whose lines are where they were drawn.
 
@@ -91,8 +104,10 @@ class CurveHandles:
         profile : (p, 2) array, optional
             Millimetres in depth and height by which the points of the profile go further than the lines alone would
             take them; those that are not finite are free.
-        turning : bool
-            Whether details turn and grow with what is around them in the front view; without a profile only.
+        way : str
+            "linear" keeps Laplacian coordinates and may fold; "turning" lets them turn and grow with what is around
+            them in the front view, and may fold too, and takes no profile along; "unfolded" is linear but where it
+            would fold. The last is what follow-up sketching does, the others are there to compare.
 
         Returns
         -------
@@ -100,19 +115,23 @@ class CurveHandles:
         """
         moves = self._moves(vertices, targets)
         moved = np.array(vertices, dtype=np.float32)
-        if profile is None:
-            soft = np.asarray(vertices)[: self._template.coarse_count][self._template.soft[0]]
-            across = moves[:, :2]
-            moved[:, :2] += self._spread @ (
-                self._deformation.turning(soft, across) if turning else self._deformation(across)
-            )
+        across = moves[:, :2]
+        held = np.asarray(np.isfinite(across).all(axis=1))
+        if way == "turning":
+            soft = moved[: self._template.coarse_count][self._template.soft[0]]
+            displaced = self._deformation.turning(soft, across)
         else:
+            displaced = self._deformation(across)
+        if profile is not None:
             depth, rise = self._dragged(moves[:, 2], profile)
-            across = self._deformation(moves[:, :2])
-            across[:, 1] += self._deformation(rise[:, None])[:, 0]
-            moved[:, :2] += self._spread @ across
+            displaced[:, 1] += self._deformation(rise[:, None])[:, 0]
+            held = held | np.isfinite(rise)
             moved[:, 2] += self._spread @ self._deformation(depth[:, None])[:, 0]
-        self._follow(vertices, moved)
+        if way == "unfolded":
+            displaced = self._unfolding(vertices, displaced, held)
+        moved[:, :2] += self._spread @ displaced
+        for part in self._parts:
+            part.follow(vertices, moved)
         return moved
 
     def _moves(self, vertices: np.ndarray, targets: Mapping[str, np.ndarray]) -> np.ndarray:
@@ -134,20 +153,6 @@ class CurveHandles:
         depth[-len(profile) :] = profile[:, 0]
         rise[-len(profile) :] = np.where(self._height_given, np.nan, profile[:, 1])
         return depth, rise
-
-    def _follow(self, vertices: np.ndarray, moved: np.ndarray) -> None:
-        """Parts of their own go where what they belong to went."""
-        for part in self._parts:
-            before, after = (mesh[part.leaders, 0] + 1j * mesh[part.leaders, 1] for mesh in (vertices, moved))
-            middle = before.mean()
-            spread = before - middle
-            turn = (after * spread.conj()).sum() / (np.abs(spread) ** 2).sum()
-            here = vertices[part.vertices, 0] + 1j * vertices[part.vertices, 1] - middle
-            if part.is_eye:
-                there = after.mean() + turn * here
-            else:
-                there = after.mean() + min(1.0, turn.real) * here.real + 1j * here.imag
-            moved[part.vertices, 0], moved[part.vertices, 1] = there.real, there.imag
 
 
 def profile_curve(template: Template, rest: np.ndarray) -> np.ndarray:
@@ -183,36 +188,6 @@ def _way(graph: sparse.csr_matrix, stations: tuple[int, ...]) -> list[int]:
     return way
 
 
-@dataclass(frozen=True)
-class Attached:
-    """A part of its own, and the vertices of the skin that it follows."""
-
-    vertices: np.ndarray
-    leaders: np.ndarray
-    is_eye: bool
-
-
-def attached_parts(template: Template, rest: np.ndarray) -> list[Attached]:
-    """The parts that do not deform, eyes, teeth and tongue, and what each of them follows."""
-    faces = template.faces
-    ends = (faces.ravel(), np.roll(faces, 1, axis=1).ravel())
-    links = sparse.coo_matrix((np.ones(faces.size, dtype=bool), ends), shape=(len(rest), len(rest)))
-    label = connected_components(links, directed=False)[1]
-    front = np.flatnonzero(_in_front(template.faces, rest, template.fine_parts))
-    tree = KDTree(rest[front, :2])
-    parts = []
-    for number in np.unique(label[template.fine_parts > PARTS.index("mouth")]):
-        part = np.flatnonzero(label == number)
-        is_eye = bool(template.fine_parts[part[0]] == PARTS.index("eyes"))
-        if is_eye:
-            side = "left" if rest[part, 0].mean() > 0 else "right"
-            leaders = template.curves[f"{side}_eye_upper"][[0, -1]]
-        else:
-            leaders = front[tree.query(rest[part, :2])[1]]
-        parts.append(Attached(part, leaders, is_eye))
-    return parts
-
-
 def _covered(template: Template, coarse: np.ndarray) -> sparse.csr_matrix:
     """Displacements of skin and mouth (s, s) with those of the inside of the mouth made to go with what covers it."""
     soft, faces = template.soft
@@ -226,7 +201,7 @@ def _covered(template: Template, coarse: np.ndarray) -> sparse.csr_matrix:
     seam = edges[skin[edges[:, 0]] & ~skin[edges[:, 1]], 0]
     away, hook = KDTree(points[seam]).query(points[inside])
     hangs = np.exp(-((away / _HANGING) ** 2))
-    front = np.flatnonzero(_in_front(faces, points, parts))
+    front = np.flatnonzero(in_front(faces, points, parts))
     distance, nearest = KDTree(points[front, :2]).query(points[inside, :2], k=_COVERING)
     weight = np.exp(-0.5 * ((distance - distance[:, :1]) / _BLUR) ** 2)
     weight *= ((1 - hangs) / weight.sum(axis=1))[:, None]
@@ -236,7 +211,6 @@ def _covered(template: Template, coarse: np.ndarray) -> sparse.csr_matrix:
     return sparse.csr_matrix((values, (rows, columns)), shape=(len(soft), len(soft)), dtype=np.float32)
 
 
-def _in_front(faces: np.ndarray, points: np.ndarray, parts: np.ndarray) -> np.ndarray:
-    """Which vertices (n,) bool are skin that faces the front."""
-    normals = np.asarray(igl.per_vertex_normals(points.astype(np.float64), faces.astype(np.int64)))
-    return (parts == PARTS.index("skin")) & (normals[:, 2] > _FACING)
+def _of_skin(triangles: np.ndarray, template: Template) -> np.ndarray:
+    """Those of some triangles (k, 3) of the fine vertices that are skin."""
+    return triangles[(template.fine_parts[triangles] == PARTS.index("skin")).all(axis=1)]

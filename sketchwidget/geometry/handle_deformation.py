@@ -33,6 +33,10 @@ class HandleDeformation:
     usual : (h,) bool array, optional
         The handles that are given most often, all by default: for them the solution is one dense product.
 
+    Attributes
+    ----------
+    handles : (h, n) sparse matrix
+
     Raises
     ------
     ValueError
@@ -53,14 +57,14 @@ class HandleDeformation:
         if not (softness > 0 and anchor > 0):
             raise ValueError(f"softness and anchor are positive; given {softness!r} and {anchor!r}")
         rest, faces = np.asarray(rest, dtype=np.float64), np.asarray(faces, dtype=np.int64)
-        self._handles = sparse.csr_matrix(handles, dtype=np.float64)
+        self.handles = sparse.csr_matrix(handles, dtype=np.float64)
         self._laplacian = sparse.csr_matrix(igl.cotmatrix(rest, faces))
         areas = np.asarray(igl.massmatrix(rest, faces, igl.MASSMATRIX_TYPE_BARYCENTRIC).diagonal())
         self._by_area = sparse.diags(1 / areas)
         energy = self._laplacian.T @ self._by_area @ self._laplacian + anchor * sparse.diags(areas)
         self._energy = splu(energy.tocsc(), permc_spec="MMD_AT_PLUS_A", options={"SymmetricMode": True})
-        self._response = self._energy.solve(self._handles.T.toarray())  # Q^-1 C'
-        self._gram = self._handles @ self._response + softness * np.eye(handles.shape[0])
+        self._response = self._energy.solve(self.handles.T.toarray())  # Q^-1 C'
+        self._gram = self.handles @ self._response + softness * np.eye(handles.shape[0])
         self._usual = np.ones(handles.shape[0], dtype=bool) if usual is None else np.asarray(usual)
         gram = self._gram[np.ix_(self._usual, self._usual)]
         self._product = (self._response[:, self._usual] @ np.linalg.inv(gram)).astype(np.float32)
@@ -102,7 +106,7 @@ class HandleDeformation:
             change = (self._similarities(plane, plane + displaced) - 1) * coordinates
             wanted = self._by_area @ np.stack([np.real(change), np.imag(change)], axis=1)
             free = self._energy.solve(self._laplacian.T @ wanted)
-            displaced = free + self(moves - self._handles @ free)
+            displaced = free + self(moves - self.handles @ free)
         return displaced.astype(np.float32)
 
     def _similarities(self, before: np.ndarray, after: np.ndarray) -> np.ndarray:

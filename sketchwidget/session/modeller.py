@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from sketchwidget.face.attached import Attached, attached_parts
 from sketchwidget.face.cover import Cover
-from sketchwidget.face.handles import Attached, attached_parts
 from sketchwidget.face.template import PARTS
 from sketchwidget.geometry.region_deformation import RegionDeformation
 from sketchwidget.geometry.view import View

@@ -24,6 +24,7 @@ _OVERSHOOT = 0.4  # of a stroke, from each end, that may run past the open end
 _FARTHEST = 0.2  # canvas units from the gap: such a stroke means something else
 _SHORTEST = 0.3  # of the way from end to end
 _TREMOR = 0.004  # canvas units: a stroke is measured without what trembles by less
+_STEADY = 0.003  # canvas units along a stroke over which a trembling hand is steadied
 _LONGEST = 4.0  # times the erased line, or that way
 _LEAST_OUTLINE = 0.1  # of the silhouette must stay
 
@@ -206,7 +207,16 @@ def _plain(gap: Gap, stroke: np.ndarray, start: np.ndarray, end: np.ndarray) -> 
         line = _cut(line[::-1], end)[::-1]
     if len(line) < 3 or np.linalg.norm(line[-1] - line[0]) < _SHORTEST * chord:
         raise GapError("a loop or a short stroke closes no gap: draw the erased line from one end to the other")
-    return resample(line, _STROKE_POINTS).astype(np.float64)
+    return _steadied(resample(line, _STROKE_POINTS).astype(np.float64))
+
+
+def _steadied(line: np.ndarray) -> np.ndarray:
+    """A line of even steps without the tremor that no handle point could follow; its ends stay."""
+    width = _STEADY * (len(line) - 1) / max(float(arc_length(line)[-1]), 1e-9)
+    width = min(width, len(line) / 8)
+    beyond = min(int(4 * width) + 1, len(line) - 1)
+    padded = np.pad(line, ((beyond, beyond), (0, 0)), mode="reflect", reflect_type="odd")
+    return gaussian_filter1d(padded, width, axis=0)[beyond : beyond + len(line)]
 
 
 def _steady_length(stroke: np.ndarray) -> float:

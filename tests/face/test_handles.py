@@ -55,7 +55,9 @@ def test_an_eyeball_goes_with_the_corners_of_its_lids(model, targets):
     moved = model.handles(model.mean, targets)
     eye = (model.template.fine_parts == PARTS.index("eyes")) & (model.mean[:, 0] > 0)
     other = (model.template.fine_parts == PARTS.index("eyes")) & (model.mean[:, 0] < 0)
-    spread = [np.ptp(mesh[eye, :2], axis=0) for mesh in (model.mean, moved)]
+    off = np.linalg.norm((model.mean - model.mean[eye].mean(axis=0))[:, :2], axis=1)
+    seen = eye & (off < 7)  # mm: the rim, of 13, goes with the skin that hides it
+    spread = [np.ptp(mesh[seen, :2], axis=0) for mesh in (model.mean, moved)]
     assert spread[1] / spread[0] == pytest.approx(1.2, rel=0.03)
     assert np.abs(moved[other] - model.mean[other]).max() < 0.5
 
