@@ -80,8 +80,9 @@ class HandleDeformation:
             return self._product @ moves[known].astype(np.float32)
         if not known.any():
             return np.zeros((len(self._response), moves.shape[1]), dtype=np.float32)
-        pull = cho_solve(cho_factor(self._gram[np.ix_(known, known)]), moves[known].astype(np.float64))
-        return (self._response[:, known] @ pull).astype(np.float32)
+        pull = np.zeros(moves.shape)
+        pull[known] = cho_solve(cho_factor(self._gram[np.ix_(known, known)]), moves[known].astype(np.float64))
+        return (self._response @ pull).astype(np.float32)
 
     def turning(self, vertices: np.ndarray, moves: np.ndarray, rounds: int = 2) -> np.ndarray:
         """Displacements (n, 2) in the plane for which Laplacian coordinates turn and grow with the surface.

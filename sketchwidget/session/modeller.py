@@ -28,6 +28,8 @@ if TYPE_CHECKING:
     from sketchwidget.gesture.classifier import GestureClassifier
     from sketchwidget.inference import FaceRegressor
 
+    from .take_over import Residual
+
 _KEPT = 4  # heads: those of the present state, the one before, and of strokes that are still being drawn
 
 
@@ -81,6 +83,7 @@ class Modeller:
         self._heads: deque[tuple[State, Modelled]] = deque(maxlen=_KEPT)
         self._below: tuple[State, Modelled] | None = None
         self._inferred: tuple[Sketch, Modelled] | None = None
+        self._lined: tuple[Sketch, Residual | None, Modelled] | None = None
         self._deformations: deque[tuple[bytes, RegionDeformation]] = deque(maxlen=_KEPT)
 
     @cached_property
@@ -198,15 +201,24 @@ class Modeller:
             return replace(self.head(followup.before), names=_names(state.sketch))
         if followup is not None and followup.profile is None and state.sketch == followup.lines:
             return replace(followup.start, names=_names(state.sketch), timings={})
-        inferred = self._unedited(state)
         if followup is None or not (_edited(state.sketch) or followup.profile is not None):
-            return inferred
-        return self._obeying(inferred, state.sketch, followup)
+            return self._unedited(state)
+        if followup.profile is None:
+            return self.lined(state)
+        return self._obeying(self._unedited(state), state.sketch, followup)
 
     def lined(self, state: State) -> Modelled:
-        """The head that the lines of the front view alone give in follow-up sketching, without a drawn profile."""
+        """The head that the lines of the front view alone give in follow-up sketching, without a drawn profile.
+
+        That of the last sketch is remembered, so that a drag of the profile deforms once.
+        """
         assert state.followup is not None
-        return self._obeying(self._unedited(state), state.sketch, replace(state.followup, profile=None))
+        sketch, residual = state.sketch, state.residual
+        if self._lined is not None and self._lined[0] is sketch and self._lined[1] is residual:
+            return self._lined[2]
+        lined = self._obeying(self._unedited(state), sketch, replace(state.followup, profile=None))
+        self._lined = (sketch, residual, replace(lined, timings={}))
+        return lined
 
     def _unedited(self, state: State) -> Modelled:
         """The head below the edited lines; that of the last sketch is remembered, so that a profile infers nothing."""

@@ -10,7 +10,7 @@ from scipy.spatial import KDTree
 from skimage.draw import polygon2mask
 
 from sketchwidget.face import FaceModel
-from sketchwidget.face.handles import LINES
+from sketchwidget.face.handles import LINES, CurveHandles
 from sketchwidget.face.template import PARTS
 from sketchwidget.geometry import View
 from sketchwidget.session import Session
@@ -460,6 +460,20 @@ def dragged(session, part, forward, sign=1.0):
     line = session.profile()[part]
     bump = np.sin(np.linspace(0, np.pi, len(line)))[:, None]
     session.draw(line - forward * bump * [1, 0], view="left")
+
+
+def test_a_drag_of_the_profile_deforms_once(session, monkeypatch):
+    redraw_line(session, "left_brow", moved(0, -0.02))
+    dragged(session, slice(45, 75), 0.02)
+    deform, calls = CurveHandles.__call__, []
+    monkeypatch.setattr(CurveHandles, "__call__", lambda *given: calls.append(1) or deform(*given))
+    dragged(session, slice(45, 75), 0.01)
+    first = session.face.vertices
+    assert len(calls) == 1
+    session._modeller._lined = None
+    session.undo()
+    dragged(session, slice(45, 75), 0.01)
+    assert len(calls) > 2 and np.array_equal(session.face.vertices, first)
 
 
 def redraw_chin(session, shift):
