@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import ClassVar
 
 import igl
 import numpy as np
 from scipy import sparse
+from scipy.interpolate import LinearNDInterpolator
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import KDTree
 
@@ -15,60 +17,77 @@ from .template import PARTS, Template
 _FACING = 0.2  # z of a normal
 _RIGID = 0.6  # of the radius of an eyeball, within which it keeps its form
 _COVERING = 4  # vertices of the skin before a vertex of its rim
-
-
-@dataclass(frozen=True)
-class Rim:
-    """The rim of an eyeball, which lids and temple hide.
-
-    Parameters
-    ----------
-    vertices : (r,) array
-    skin : (r, c) array
-        Vertices of the skin before each.
-    shares : (r, c) array
-        Of its way that it takes from them; what is missing to 1, from its eyeball.
-    """
-
-    vertices: np.ndarray
-    skin: np.ndarray
-    shares: np.ndarray
-
-    def follow(self, before: np.ndarray, after: np.ndarray) -> None:
-        """In the front view, what goes the way of the skin before it stays behind it."""
-        ways = (after - before)[self.skin][..., :2]
-        kept = 1 - self.shares.sum(axis=1, keepdims=True)
-        rigid = kept * (after - before)[self.vertices, :2]
-        after[self.vertices, :2] = before[self.vertices, :2] + rigid + np.einsum("rc,rck->rk", self.shares, ways)
+_RESHAPED = 0.3  # mm by which lids are drawn into another form
+_ROOM = 0.9  # mm between an eyeball and the lids before it; at rest there are 1.2
 
 
 @dataclass(frozen=True)
 class Attached:
-    """A part of its own, and the vertices of the skin that it follows.
+    """A part of its own, which goes with the skin by a shift, and gets narrower if that does.
 
-    Teeth and tongue go with the skin by a shift, and get narrower if it does; an eyeball by the similarity of the front
-    view that takes the corners of its lids along, but for its rim.
+    Parameters
+    ----------
+    vertices : (p,) array
+    leaders : (l,) array
+        The vertices of the skin that it follows.
     """
 
     vertices: np.ndarray
     leaders: np.ndarray
-    rim: Rim | None = None
 
-    @property
-    def is_eye(self) -> bool:
-        """Whether it is an eyeball."""
-        return self.rim is not None
+    is_eye: ClassVar[bool] = False
 
     def follow(self, before: np.ndarray, after: np.ndarray) -> None:
         """Go where the skin of a head (V, 3) went in x and y, in ``after``."""
-        start, end = (mesh[self.leaders, 0] + 1j * mesh[self.leaders, 1] for mesh in (before, after))
-        spread = start - start.mean()
-        turn = (end * spread.conj()).sum() / (np.abs(spread) ** 2).sum()
-        here = before[self.vertices, 0] + 1j * before[self.vertices, 1] - start.mean()
-        there = end.mean() + (turn * here if self.is_eye else min(1.0, turn.real) * here.real + 1j * here.imag)
-        after[self.vertices, 0], after[self.vertices, 1] = there.real, there.imag
-        if self.rim is not None:
-            self.rim.follow(before, after)
+        start, end, turn = _similarity(before[self.leaders], after[self.leaders])
+        here = _in_plane(before[self.vertices]) - start
+        _place(after, self.vertices, end + min(1.0, turn.real) * here.real + 1j * here.imag)
+
+
+@dataclass(frozen=True)
+class Eyeball(Attached):
+    """An eyeball, which goes by the similarity of the front view that takes the corners of its lids along.
+
+    Its rim goes the way of the skin before it, behind which it stays so; and where lids that are drawn into another
+    form would pass through it, it goes to the back.
+
+    Parameters
+    ----------
+    rim, rim_skin, rim_shares : (r,), (r, c), (r, c) arrays
+        Vertices of the rim, those of the skin before each, and the shares of its way that it takes from them.
+    contours : (e,) array
+        Vertices of the edges of its lids.
+    lids : (t, 3) array
+        Triangles of the skin about it.
+    """
+
+    rim: np.ndarray
+    rim_skin: np.ndarray
+    rim_shares: np.ndarray
+    contours: np.ndarray
+    lids: np.ndarray
+
+    is_eye: ClassVar[bool] = True
+
+    def follow(self, before: np.ndarray, after: np.ndarray) -> None:
+        """Go where the lids of a head (V, 3) went in x and y, in ``after``."""
+        start, end, turn = _similarity(before[self.leaders], after[self.leaders])
+        _place(after, self.vertices, end + turn * (_in_plane(before[self.vertices]) - start))
+        shares, rigid = self.rim_shares, 1 - self.rim_shares.sum(axis=1)
+        ways = _in_plane(after) - _in_plane(before)
+        way = rigid * ways[self.rim] + (shares * ways[self.rim_skin]).sum(axis=1)
+        _place(after, self.rim, _in_plane(before[self.rim]) + way)
+        expected = end + turn * (_in_plane(before[self.contours]) - start)
+        if np.abs(_in_plane(after[self.contours]) - expected).max() > _RESHAPED:
+            after[self.vertices, 2] -= max(0.0, self._in_the_way(after) - max(0.0, self._in_the_way(before)))
+
+    def _in_the_way(self, mesh: np.ndarray) -> float:
+        """Millimetres that it is further to the front than the lids of a head allow."""
+        eye, lids = mesh[self.vertices], mesh[self.lids]
+        front = eye[eye[:, 2] > eye[:, 2].mean()]
+        skin = np.concatenate([lids.reshape(-1, 3), lids.mean(axis=1)])
+        height = LinearNDInterpolator(front[:, :2], front[:, 2])(skin[:, :2])
+        return float(np.nanmax(height - skin[:, 2] + _ROOM, initial=-np.inf))
 
 
 def attached_parts(template: Template, rest: np.ndarray) -> list[Attached]:
@@ -77,17 +96,15 @@ def attached_parts(template: Template, rest: np.ndarray) -> list[Attached]:
     ends = (faces.ravel(), np.roll(faces, 1, axis=1).ravel())
     links = sparse.coo_matrix((np.ones(faces.size, dtype=bool), ends), shape=(len(rest), len(rest)))
     label = connected_components(links, directed=False)[1]
-    front = np.flatnonzero(in_front(template.faces, rest, template.fine_parts))
-    tree = KDTree(rest[front, :2])
+    front = in_front(template.faces, rest, template.fine_parts)
+    tree, numbers = KDTree(rest[front, :2]), np.flatnonzero(front)
     parts = []
     for number in np.unique(label[template.fine_parts > PARTS.index("mouth")]):
         part = np.flatnonzero(label == number)
         if template.fine_parts[part[0]] == PARTS.index("eyes"):
-            side = "left" if rest[part, 0].mean() > 0 else "right"
-            corners = template.curves[f"{side}_eye_upper"][[0, -1]]
-            parts.append(Attached(part, corners, _rim(part, rest, front)))
+            parts.append(_eyeball(part, template, rest, front))
         else:
-            parts.append(Attached(part, front[tree.query(rest[part, :2])[1]]))
+            parts.append(Attached(part, numbers[tree.query(rest[part, :2])[1]]))
     return parts
 
 
@@ -97,12 +114,35 @@ def in_front(faces: np.ndarray, points: np.ndarray, parts: np.ndarray) -> np.nda
     return (parts == PARTS.index("skin")) & (normals[:, 2] > _FACING)
 
 
-def _rim(eye: np.ndarray, rest: np.ndarray, front: np.ndarray) -> Rim:
-    """Of an eyeball, with the nearest of the skin that faces the front."""
-    off = np.linalg.norm((rest[eye] - rest[eye].mean(axis=0))[:, :2], axis=1)
-    share = np.clip((off / off.max() - _RIGID) / (1 - _RIGID), 0.0, 1.0)
-    rim = share > 0
-    away, nearest = KDTree(rest[front, :2]).query(rest[eye[rim], :2], k=_COVERING)
+def _eyeball(vertices: np.ndarray, template: Template, rest: np.ndarray, front: np.ndarray) -> Eyeball:
+    """An eyeball of a typical head at rest, whose skin (V,) bool faces the front."""
+    middle = rest[vertices].mean(axis=0)
+    off = np.linalg.norm((rest - middle)[:, :2], axis=1)
+    radius = off[vertices].max()
+    rim = vertices[off[vertices] > _RIGID * radius]
+    share = (off[rim] / radius - _RIGID) / (1 - _RIGID)
+    before = np.flatnonzero(front)
+    away, nearest = KDTree(rest[before, :2]).query(rest[rim, :2], k=_COVERING)
     weights = 1 / (away + 0.1)
-    share = share[rim] ** 2 * (3 - 2 * share[rim])
-    return Rim(eye[rim], front[nearest], share[:, None] * weights / weights.sum(axis=1, keepdims=True))
+    weights *= (share**2 * (3 - 2 * share) / weights.sum(axis=1))[:, None]
+    near = front & (off < 1.2 * radius)
+    lids = template.faces[near[template.faces].all(axis=1)]
+    side = "left" if middle[0] > 0 else "right"
+    upper, lower = (template.curves[f"{side}_eye_{lid}"] for lid in ("upper", "lower"))
+    contours = np.concatenate([upper, lower])
+    return Eyeball(vertices, upper[[0, -1]], rim, before[nearest], weights, contours, lids)
+
+
+def _similarity(before: np.ndarray, after: np.ndarray) -> tuple[complex, complex, complex]:
+    """Middles before and after, and the turn and growth between, of the similarity of the plane nearest to a motion."""
+    start, end = _in_plane(before), _in_plane(after)
+    spread = start - start.mean()
+    return start.mean(), end.mean(), (end * spread.conj()).sum() / (np.abs(spread) ** 2).sum()
+
+
+def _in_plane(points: np.ndarray) -> np.ndarray:
+    return points[:, 0] + 1j * points[:, 1]
+
+
+def _place(mesh: np.ndarray, vertices: np.ndarray, there: np.ndarray) -> None:
+    mesh[vertices, :2] = np.stack([np.real(there), np.imag(there)], axis=1)
