@@ -17,7 +17,7 @@ from .camera import Camera
 from .shading import shade, vertex_normals
 from .template import AvatarTemplate
 
-_LANDMARK_MM, _COLOUR = 1.2, 0.08  # standard deviations of what a landmark and a pixel may be off
+LANDMARK_MM, _COLOUR = 1.2, 0.08  # standard deviations of what a landmark and a pixel may be off
 _PIXELS = 150.0  # how many independent pixels a face counts as
 _PRIOR = {"identity": 1.0, "expression": 1.0, "texture": 1.0}  # weights of equation 6
 _JAW, _JAW_WEIGHT = slice(0, 17), 0.3  # landmarks of the contour, which no vertex has for certain
@@ -26,7 +26,6 @@ _LANDMARK_STEPS, _PHOTO_STEPS, _ADJUST_STEPS = 70, 60, 200
 _SLIDE, _REFRESH = 5, 20  # steps between new places along contours, and between looks at what is visible
 _RATE = 0.08
 USUAL_LIGHT = (3.0, 0.2, 0.4, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)  # from above and before
-_NOTHING = torch.empty(0, dtype=torch.long)
 
 
 @dataclass(frozen=True, eq=False)
@@ -82,8 +81,8 @@ class CoarseFitter:
         faces = number_of[shape.coarse_faces]
         self._faces = faces[(faces >= 0).all(axis=1)]
         rows = shape.subdivision[np.concatenate([self._skin, model.landmarks])]  # fine vertices begin with the coarse
-        self._mean = _tensor(_applied(rows, bilinear.mean[:, None]).reshape(-1, 3))
-        self._basis = _tensor(_applied(rows, bilinear.basis).reshape(-1, 3, bilinear.basis.shape[1]))
+        self._mean = _tensor(_applied(rows, bilinear.mean[:, None])[:, 0])
+        self._basis = _tensor(_applied(rows, bilinear.basis).T)
         self._core = _tensor(bilinear.core)
         neutral = bilinear.expressions[model.expressions.index("neutral")]
         self._centres = (_tensor(model.mean_identity), _tensor(neutral))
@@ -115,10 +114,10 @@ class CoarseFitter:
         CoarseFit
         """
         picture, sure = as_tensors(image, confidence)
-        unknowns = self._start(landmarks, start)
+        unknowns = self.unknowns(self.mean_face(landmarks) if start is None else start)
         weights = _tensor(landmark_weights(self._camera(unknowns)))
         optimiser = torch.optim.Adam(unknowns.values(), lr=_RATE)
-        seen = _NOTHING
+        seen = None
         for step in range(_LANDMARK_STEPS + _PHOTO_STEPS):
             optimiser.zero_grad()
             if step >= _LANDMARK_STEPS and (step - _LANDMARK_STEPS) % _REFRESH == 0:
@@ -136,31 +135,31 @@ class CoarseFitter:
         weights: torch.Tensor,
         picture: torch.Tensor,
         sure: torch.Tensor,
-        seen: torch.Tensor,
+        seen: torch.Tensor | None,
     ) -> torch.Tensor:
-        """Equation 3, as the negative logarithm of a probability.
+        """Equation 3, as the negative logarithm of a probability; of several pictures, the sum.
 
         Parameters
         ----------
         unknowns : dict of tensors
             "identity", "expression" and "texture" in standard deviations, "light" (9,), "turn" (3,) as axis times
-            angle, "scale" as its logarithm, "shift" (2,) in centimetres.
-        wanted, weights : (68, 2) and (68,) tensors
+            angle, "scale" as its logarithm, "shift" (2,) in centimetres; of several pictures, one row (b, ...) each.
+        wanted, weights : ([b,] 68, 2) and (68,) tensors
             Landmarks in pixels, and how much each counts.
-        picture, sure : (1, 3, H, W) and (1, 1, H, W) tensors
+        picture, sure : (b, 3, H, W) and (b, 1, H, W) tensors
             Colours and confidence, 0 to 1.
-        seen : (k,) tensor
-            Vertices that are visible; of none, colours do not count.
+        seen : ([b,] n) bool tensor, optional
+            Which vertices are visible, see `visible`; without it colours do not count.
         """
-        points, albedo = self._shape(unknowns)
+        points = self.points(unknowns)
         projected, rotation = _project(points, unknowns)
-        off = ((projected[len(self._skin) :] - wanted) / unknowns["scale"].detach().exp()).square().sum(dim=1)
-        loss = 0.5 * (weights * off).sum() / _LANDMARK_MM**2
+        millimetre = unknowns["scale"].detach().exp()[..., None, None]
+        off = ((projected[..., len(self._skin) :, :] - wanted) / millimetre).square().sum(dim=-1)
+        loss = 0.5 * (weights * off).sum() / LANDMARK_MM**2
         for name, weight in _PRIOR.items():
             loss = loss + 0.5 * weight * unknowns[name].square().sum()
-        if len(seen):
-            light = unknowns["light"]
-            loss = loss + self._photometric(points, projected, rotation, albedo, light, picture, sure, seen)
+        if seen is not None and seen.any():
+            loss = loss + self._photometric(points, projected, rotation, unknowns, picture, sure, seen)
         return loss
 
     def adjusted(self, fit: CoarseFit, landmarks: np.ndarray, identity: bool) -> CoarseFit:
@@ -174,14 +173,13 @@ class CoarseFitter:
         identity : bool
             Move the identity too, not the expression alone.
         """
-        unknowns = self._start(landmarks, fit)
+        unknowns = self.unknowns(fit)
         moved = [unknowns[name] for name in (("identity", "expression") if identity else ("expression",))]
         optimiser = torch.optim.Adam(moved, lr=_RATE)
         weights, wanted = _tensor(landmark_weights(fit.camera)), _tensor(landmarks)
         for _ in range(_ADJUST_STEPS):
             optimiser.zero_grad()
-            points, _ = self._shape(unknowns)
-            projected, _ = _project(points[len(self._skin) :], unknowns)
+            projected, _ = _project(self.points(unknowns)[len(self._skin) :], unknowns)
             (weights * (projected - wanted).norm(dim=1)).sum().backward()
             optimiser.step()
         return self.result(unknowns)
@@ -193,80 +191,91 @@ class CoarseFitter:
         return (bilinear.mean + bilinear.basis @ code).reshape(-1, 3).astype(np.float64)
 
     @property
+    def skin_size(self) -> int:
+        """How many vertices the skin has, of which `visible` tells."""
+        return len(self._skin)
+
+    @property
     def sizes(self) -> dict[str, int]:
         """How many numbers each of the unknowns is, by name; see `loss`."""
         sizes = {"identity": len(self._centres[0]), "expression": len(self._centres[1])}
         return sizes | {"texture": len(self._albedo_basis), "light": 9, "turn": 3, "scale": 1, "shift": 2}
 
-    def _start(self, landmarks: np.ndarray, start: CoarseFit | None) -> dict[str, torch.Tensor]:
-        values = {name: torch.zeros(size) for name, size in self.sizes.items()}
-        values["light"] = torch.tensor(USUAL_LIGHT)
-        if start is None:
-            rest = self._model.mean[self._model.landmarks].astype(np.float64)
-            camera = Camera.of(rest, landmarks, landmark_weights())
-        else:
-            camera = start.camera
-            for name, centre, spread in zip(("identity", "expression"), self._centres, self._spreads, strict=True):
-                values[name] = (_tensor(getattr(start, name)) - centre) / spread
-            values["texture"], values["light"] = _tensor(start.texture), _tensor(start.light)
-        values["scale"] = torch.tensor(float(np.log(camera.scale)))
-        values["shift"] = _tensor(camera.translation / camera.scale / 10)  # centimetres, the size of the other steps
-        unknowns = {name: value.clone().requires_grad_() for name, value in values.items()}
-        unknowns["turn"].data = _turn_vector(camera.rotation)
-        return unknowns
+    def unknowns(self, fit: CoarseFit) -> dict[str, torch.Tensor]:
+        """What `loss` takes for a fit, as leaves that gradients reach."""
+        values = {
+            name: (_tensor(getattr(fit, name)) - centre) / spread
+            for name, centre, spread in zip(("identity", "expression"), self._centres, self._spreads, strict=True)
+        }
+        values["texture"], values["light"] = _tensor(fit.texture), _tensor(fit.light)
+        values["turn"] = _turn_vector(fit.camera.rotation)
+        values["scale"] = torch.tensor(float(np.log(fit.camera.scale)))
+        # Centimetres, the size of the other steps.
+        values["shift"] = _tensor(fit.camera.translation / fit.camera.scale / 10)
+        return {name: value.clone().requires_grad_() for name, value in values.items()}
 
-    def _shape(self, unknowns: dict[str, torch.Tensor]) -> tuple[torch.Tensor, torch.Tensor]:
+    def mean_face(self, landmarks: np.ndarray) -> CoarseFit:
+        """The mean face with the camera that brings it nearest to landmarks (68, 2): where a fit begins."""
+        rest = self._model.mean[self._model.landmarks].astype(np.float64)
+        camera = Camera.of(rest, landmarks, landmark_weights())
+        u, v = (centre.numpy() for centre in self._centres)
+        return CoarseFit(u, v, np.zeros(len(self._albedo_basis)), np.array(USUAL_LIGHT), camera, self.coarse(u, v))
+
+    def points(self, unknowns: dict[str, torch.Tensor]) -> torch.Tensor:
+        """The skin's vertices, then the landmarks, of heads at rest in their own frame: ([b,] n + 68, 3) millimetres."""
         u, v = (
             centre + spread * unknowns[name]
             for name, centre, spread in zip(("identity", "expression"), self._centres, self._spreads, strict=True)
         )
-        points = self._mean + self._basis @ (self._core @ v @ u)
-        albedo = self._albedo + torch.tensordot(unknowns["texture"], self._albedo_basis, dims=1)
-        return points, albedo
+        code = torch.einsum("...j,dij,...i->...d", v, self._core, u)
+        return (self._mean + code @ self._basis).unflatten(-1, (-1, 3))
 
     def _photometric(
         self,
         points: torch.Tensor,
         projected: torch.Tensor,
         rotation: torch.Tensor,
-        albedo: torch.Tensor,
-        light: torch.Tensor,
+        unknowns: dict[str, torch.Tensor],
         picture: torch.Tensor,
         sure: torch.Tensor,
         seen: torch.Tensor,
     ) -> torch.Tensor:
         """Equation 5 over the visible vertices instead of the pixels; both count every part of the face once."""
         height, width = picture.shape[2:]
-        skin = points[: len(self._skin)]
-        normals = vertex_normals(skin, self._faces_tensor)[seen] @ rotation.T
-        rendered = shade(albedo[seen], normals, light)
-        at = projected[: len(self._skin)][seen] / torch.tensor([width / 2, height / 2]) - 1
-        given = torch.nn.functional.grid_sample(picture, at[None, None], align_corners=False)[0, :, 0].T
-        trust = torch.nn.functional.grid_sample(sure, at[None, None].detach(), align_corners=False)[0, 0, 0]
-        trust = trust * normals[:, 2].detach().clamp(min=0)  # what is seen aslant covers fewer pixels
-        off = (rendered - given).square().mean(dim=1)
+        count = len(self._skin)
+        some = seen.reshape(-1, count).any(dim=0).nonzero()[:, 0]
+        normals = vertex_normals(points[..., :count, :], self._faces_tensor)[..., some, :] @ rotation.mT
+        albedo = self._albedo[some] + torch.tensordot(unknowns["texture"], self._albedo_basis[:, some], dims=1)
+        rendered = shade(albedo, normals, unknowns["light"])
+        at = projected[..., some, :] / torch.tensor([width / 2, height / 2]) - 1
+        at = at.reshape(len(picture), 1, len(some), 2)
+        given = torch.nn.functional.grid_sample(picture, at, align_corners=False)[:, :, 0].mT.reshape(rendered.shape)
+        trust = torch.nn.functional.grid_sample(sure, at.detach(), align_corners=False).reshape(normals.shape[:-1])
+        # What is seen aslant covers fewer pixels.
+        trust = trust * normals[..., 2].detach().clamp(min=0) * seen[..., some]
+        off = (rendered - given).square().mean(dim=-1)
         off = off / (1 + off / (3 * _COLOUR) ** 2)  # hair, glasses and highlights are no skin
-        return 0.5 * _PIXELS * (trust * off).sum() / trust.sum().clamp(min=1) / _COLOUR**2
+        mean = (trust * off).sum(dim=-1) / trust.sum(dim=-1).clamp(min=1)
+        return 0.5 * _PIXELS * mean.sum() / _COLOUR**2
 
     @property
     def _faces_tensor(self) -> torch.Tensor:
         return torch.from_numpy(self._faces.astype(np.int64))
 
     def visible(self, unknowns: dict[str, torch.Tensor]) -> torch.Tensor:
-        """The vertices (k,) of the skin that the camera sees, for `loss`."""
+        """Which vertices of the skin (n,) the camera of one picture sees, for `loss`."""
         with torch.no_grad():
-            points, _ = self._shape(unknowns)
+            points = self.points(unknowns)
             turn = rotation_of(unknowns["turn"]).numpy().astype(np.float64)
         skin = points[: len(self._skin)].numpy().astype(np.float64)
         facing = vertex_normals(torch.from_numpy(skin), self._faces_tensor).numpy() @ turn[2] > 0.1
         facing[facing] = visible(skin[facing], skin, self._faces, turn, tolerance=2.0)
-        return torch.from_numpy(np.flatnonzero(facing))
+        return torch.from_numpy(facing)
 
     def landmarks(self, unknowns: dict[str, torch.Tensor]) -> torch.Tensor:
-        """The head's landmarks (68, 2) in pixels, without gradients."""
+        """The heads' landmarks ([b,] 68, 2) in pixels, without gradients."""
         with torch.no_grad():
-            points, _ = self._shape(unknowns)
-            return _project(points[len(self._skin) :], unknowns)[0]
+            return _project(self.points(unknowns)[..., len(self._skin) :, :], unknowns)[0]
 
     def _camera(self, unknowns: dict[str, torch.Tensor]) -> Camera:
         rotation = rotation_of(unknowns["turn"]).detach().numpy().astype(np.float64)
@@ -284,10 +293,10 @@ class CoarseFitter:
 
 
 def _project(points: torch.Tensor, unknowns: dict[str, torch.Tensor]) -> tuple[torch.Tensor, torch.Tensor]:
-    """Pixels (r, 2) of points (r, 3), and the rotation (3, 3)."""
-    rotation, scale = rotation_of(unknowns["turn"]), unknowns["scale"].exp()
-    seen = points @ rotation[:2].T * torch.tensor([1.0, -1.0])
-    return scale * (seen + 10 * unknowns["shift"]), rotation
+    """Pixels ([b,] r, 2) of points ([b,] r, 3), and the rotations ([b,] 3, 3)."""
+    rotation, scale = rotation_of(unknowns["turn"]), unknowns["scale"].exp()[..., None, None]
+    seen = points @ rotation[..., :2, :].mT * torch.tensor([1.0, -1.0])
+    return scale * (seen + 10 * unknowns["shift"][..., None, :]), rotation
 
 
 def as_tensors(image: np.ndarray, confidence: np.ndarray) -> tuple[torch.Tensor, torch.Tensor]:
@@ -296,10 +305,11 @@ def as_tensors(image: np.ndarray, confidence: np.ndarray) -> tuple[torch.Tensor,
 
 
 def rotation_of(turn: torch.Tensor) -> torch.Tensor:
-    """Rotation (3, 3) by a vector (3,): its axis, and as its length the angle in radians."""
-    zero = torch.zeros(())
-    x, y, z = turn.unbind()
-    return torch.linalg.matrix_exp(torch.stack([zero, -z, y, z, zero, -x, -y, x, zero]).reshape(3, 3))
+    """Rotations ([b,] 3, 3) by vectors ([b,] 3): their axis, and as their length the angle in radians."""
+    x, y, z = turn.unbind(-1)
+    zero = torch.zeros_like(x)
+    crossed = torch.stack([zero, -z, y, z, zero, -x, -y, x, zero], dim=-1)
+    return torch.linalg.matrix_exp(crossed.unflatten(-1, (3, 3)))
 
 
 def _turn_vector(rotation: np.ndarray) -> torch.Tensor:

@@ -19,7 +19,7 @@ from .coarse import USUAL_LIGHT, CoarseFit, CoarseFitter
 
 FORMAT = "sketchwidget portrait network 1"
 SIDE = 224
-_CHANNELS = (16, 32, 64, 96, 128)  # each stage halves the resolution
+_CHANNELS = (16, 32, 64, 128, 256)  # each stage halves the resolution
 _FACE = 0.62  # of the picture's side: how high a face 200 mm high usually is in it
 _LIGHT, _TURN, _SCALE, _SHIFT = 0.3, 0.25, 0.15, 0.6  # what an output of 1 means, by unknown
 
@@ -48,7 +48,14 @@ class PortraitNetwork(nn.Module):
 
     def forward(self, pictures: Tensor) -> dict[str, Tensor]:
         """Unknowns (b, ...) by name, in pixels of the pictures (b, 3, 224, 224), 0 to 1."""
-        raw = self.head(self.stages(self.stem(2 * pictures - 1)).mean(dim=(2, 3)))
+        return self.unknowns(self.raw(pictures))
+
+    def raw(self, pictures: Tensor) -> Tensor:
+        """What `unknowns` makes unknowns of: (b, sum of the sizes)."""
+        return self.head(self.stages(self.stem(2 * pictures - 1)).mean(dim=(2, 3)))
+
+    def unknowns(self, raw: Tensor) -> dict[str, Tensor]:
+        """Unknowns (b, ...) by name."""
         unknowns = dict(zip(self.sizes, raw.split(list(self.sizes.values()), dim=1), strict=True))
         scale = np.log(_FACE * SIDE / 200)
         unknowns["light"] = raw.new_tensor(USUAL_LIGHT) + _LIGHT * unknowns["light"]
@@ -68,11 +75,12 @@ class PortraitNetwork(nn.Module):
         return fitter.result(unknowns)
 
     def save(self, path: str | os.PathLike[str], model: FaceModel, provenance: dict[str, str]) -> None:
-        """Write the network to a safetensors file, with the face model that it is for in the header."""
+        """Write the network in half precision to a safetensors file, with the face model that it is for in the header."""
         header = {"format": FORMAT, "sizes": json.dumps(self.sizes), "channels": json.dumps(self.channels)}
+        state = {name: value.contiguous() for name, value in self.state_dict().items()}
         with writing(Path(path)):
             save_file(
-                {name: value.contiguous() for name, value in self.state_dict().items()},
+                {name: value.half() if value.is_floating_point() else value for name, value in state.items()},
                 path,
                 header | {"model": model.fingerprint} | provenance,
             )

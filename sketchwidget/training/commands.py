@@ -39,21 +39,45 @@ def face(
 @train.command()
 def portraits(
     out: Annotated[Path, typer.Option(help="File to write.")],
-    steps: Annotated[int, typer.Option(min=1, help="Batches of 16 portraits.")] = 20_000,
-    tiny: Annotated[bool, typer.Option("--tiny", help="A few small steps, in a minute, to see it run.")] = False,
+    steps: Annotated[int, typer.Option(min=2, help="Batches of 32 portraits.")] = 3_000,
+    heads: Annotated[int, typer.Option(min=1, help="Portraits that are rendered; each is seen varied many times.")] = (
+        4_000
+    ),
+    work: Work = Path("runs"),
+    tiny: Annotated[bool, typer.Option("--tiny", help="A few small steps, in seconds, to see it run.")] = False,
 ) -> None:
-    """Train the network that gives avatars a first guess, on rendered portraits of the shipped face model."""
+    """Train the network that gives avatars a first guess, on rendered portraits of the shipped face model.
+
+    Portraits and checkpoints are kept in `work`: started again, the training goes on.
+    """
+    from ..avatar.coarse import CoarseFitter
     from ..avatar.template import AvatarTemplate
     from ..database.provenance import licence, provenance
     from ..face.model import FaceModel
+    from .network import Schedule
     from .portrait_network import train_portrait_network
+    from .portrait_set import PortraitSet
 
     _require_folder(out)
-    model = FaceModel.load()
-    chosen = (4, 2, (8, 8, 16)) if tiny else (steps, 16, None)
-    network, errors = train_portrait_network(model, AvatarTemplate.load(), *chosen)
+    model, template = FaceModel.load(), AvatarTemplate.load()
+    fitter = CoarseFitter(model, template)
+    heads = 8 if tiny else heads
+    rendered = work / f"portraits-{heads}-{model.fingerprint[:8]}"
+    if not rendered.exists():
+        PortraitSet.rendered(model, template, fitter, heads).save(rendered)
+    network, (_, landmarks, shape) = train_portrait_network(
+        PortraitSet.load(rendered),
+        fitter,
+        Schedule(4, 2, checkpoint=2) if tiny else Schedule(steps, checkpoint=200, warming=100, averaging=0.995),
+        work / f"portrait-network-{heads}-{model.fingerprint[:8]}",
+        (8, 8, 16) if tiny else None,
+        model.fingerprint,
+    )
     network.save(out, model, provenance(_command(), ("numpy", "scipy", "torch")) | {"licence": licence("anny")})
-    typer.echo(f"{out}: {out.stat().st_size / 1e6:.1f} MB; landmarks are {errors[-1]:.1f} pixels of 224 off")
+    typer.echo(
+        f"{out}: {out.stat().st_size / 1e6:.1f} MB; landmarks of the last portraits were {landmarks:.1f} pixels of 224 off,"
+        f" and their shape {shape:.1f} mm"
+    )
 
 
 @train.command()

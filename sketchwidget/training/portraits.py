@@ -87,7 +87,7 @@ def render_portrait(
         camera.project(vertices) * oversampling, model.faces, (large, large), camera.depth(vertices)
     )
     drawn = triangle >= 0
-    picture = _background(random, large)
+    picture = background(random, large)
     picture[drawn] = (colour[model.faces[triangle[drawn]]] * weights[drawn][..., None]).sum(axis=1)
     picture = cv2.resize(np.clip(picture, 0, 1), (side, side), interpolation=cv2.INTER_AREA)
     picture += random.normal(0, 0.01, picture.shape)
@@ -105,7 +105,7 @@ def render_portrait(
     )
 
 
-def _background(random: np.random.Generator, side: int) -> np.ndarray:
+def background(random: np.random.Generator, side: int) -> np.ndarray:
     """Soft patches of colour, (side, side, 3)."""
     patches = random.uniform(0, 1, (4, 4, 3)).astype(np.float32)
     return cv2.resize(patches, (side, side), interpolation=cv2.INTER_CUBIC).astype(np.float64)

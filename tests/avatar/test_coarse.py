@@ -54,8 +54,8 @@ def test_the_loss_of_the_truth_is_less_than_that_of_the_mean_face(fitter, known)
 
     picture, sure = as_tensors(known.image, known.mask.astype(float))
     weights, wanted = (torch.from_numpy(a.astype(np.float32)) for a in (landmark_weights(), known.landmarks))
-    mean = fitter._start(known.landmarks, None)
-    found = fitter._start(known.landmarks, fitter.fit(known.image, known.landmarks, known.mask.astype(float)))
+    mean = fitter.unknowns(fitter.mean_face(known.landmarks))
+    found = fitter.unknowns(fitter.fit(known.image, known.landmarks, known.mask.astype(float)))
     with torch.no_grad():
         losses = [fitter.loss(u, wanted, weights, picture, sure, fitter.visible(u)) for u in (mean, found)]
     assert losses[1] < 0.5 * losses[0]
