@@ -14,6 +14,7 @@ import numpy as np
 
 from ..face.face import Face
 from ..face.model import FaceModel
+from ..face.texture import Texture
 from ..geometry.view import CANVAS_MM, View
 from .camera import Camera
 from .eyes import Eyeball, gaze_names
@@ -132,6 +133,11 @@ class Avatar:
         if not encoded:
             raise ValueError(f"the texture {self.texture.shape} cannot be encoded")
         return jpeg.tobytes()
+
+    @cached_property
+    def skin(self) -> Texture:
+        """The texture and its places as `Session.take_over` takes them."""
+        return Texture(self.jpeg, self.uv)
 
     def export(self, path: str | os.PathLike[str]) -> None:
         """Write the head to a ``.glb`` file with the ready performances; see `to_glb`.

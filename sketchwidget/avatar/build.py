@@ -29,6 +29,7 @@ from .eyes import Eyeball, fit_eyeballs
 from .fine import FineFitter
 from .network import PortraitNetwork
 from .rig import RigBuilder
+from .square import square_about
 from .stylize import Stylizer, drawn
 from .template import AvatarTemplate
 from .texture import TextureBaker
@@ -38,7 +39,6 @@ Report = Callable[[str, float, "np.ndarray | None"], None]
 
 _SIDE = 512  # pixels of the square about the face that is worked on
 _TEXTURE_SIDE = 1024
-_ABOUT = 2.3  # breadths and heights of the face to the square
 _LEAST_EYES = 12.0  # pixels between the outer corners of the eyes
 _RIVAL = 0.5  # of the largest face's area: another that might be meant
 _PROFILE = 5.0  # how many times nearer one eye is to the edge of the face than the other
@@ -253,9 +253,7 @@ def _person_mask() -> PersonMask:
 
 def _squared(picture: np.ndarray, marks: FaceLandmarks) -> tuple[np.ndarray, Transform, Transform]:
     """The square about a face, (512, 512, 3), and what takes points to it and back."""
-    low, high = marks.points.min(axis=0), marks.points.max(axis=0)
-    side = _ABOUT * float((high - low).max())
-    corner = (low + high) / 2 - side / 2 - (0, 0.06 * side)
+    corner, side = square_about(marks.points)
     scale = _SIDE / side
     matrix = np.array([[1 / scale, 0, corner[0]], [0, 1 / scale, corner[1]]])
     matrix[:, 2] += 0.5 / scale - 0.5  # middles of pixels

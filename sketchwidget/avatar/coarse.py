@@ -222,7 +222,7 @@ class CoarseFitter:
         return CoarseFit(u, v, np.zeros(len(self._albedo_basis)), np.array(USUAL_LIGHT), camera, self.coarse(u, v))
 
     def points(self, unknowns: dict[str, torch.Tensor]) -> torch.Tensor:
-        """The skin's vertices, then the landmarks, of heads at rest in their own frame: ([b,] n + 68, 3) millimetres."""
+        """The skin's vertices, then the landmarks, of heads in their own frame: ([b,] n + 68, 3) millimetres."""
         u, v = (
             centre + spread * unknowns[name]
             for name, centre, spread in zip(("identity", "expression"), self._centres, self._spreads, strict=True)

@@ -20,6 +20,7 @@ from .coarse import USUAL_LIGHT, CoarseFit, CoarseFitter
 FORMAT = "sketchwidget portrait network 1"
 SIDE = 224
 _CHANNELS = (16, 32, 64, 128, 256)  # each stage halves the resolution
+_GRID, _FEATURES = 7, 32  # places a side, and what of each: a mean over all of them would not tell where things are
 _FACE = 0.62  # of the picture's side: how high a face 200 mm high usually is in it
 _LIGHT, _TURN, _SCALE, _SHIFT = 0.3, 0.25, 0.15, 0.6  # what an output of 1 means, by unknown
 
@@ -42,7 +43,8 @@ class PortraitNetwork(nn.Module):
             nn.Conv2d(3, channels[0], 5, 2, 2, bias=False), nn.BatchNorm2d(channels[0]), nn.ReLU()
         )
         self.stages = nn.Sequential(*(_Block(below, here) for below, here in pairwise(channels)))
-        self.head = nn.Linear(channels[-1], sum(sizes.values()))
+        self.places = nn.Sequential(nn.AdaptiveAvgPool2d(_GRID), nn.Conv2d(channels[-1], _FEATURES, 1))
+        self.head = nn.Linear(_FEATURES * _GRID**2, sum(sizes.values()))
         nn.init.normal_(self.head.weight, std=1e-3)
         nn.init.zeros_(self.head.bias)
 
@@ -52,7 +54,7 @@ class PortraitNetwork(nn.Module):
 
     def raw(self, pictures: Tensor) -> Tensor:
         """What `unknowns` makes unknowns of: (b, sum of the sizes)."""
-        return self.head(self.stages(self.stem(2 * pictures - 1)).mean(dim=(2, 3)))
+        return self.head(self.places(self.stages(self.stem(2 * pictures - 1))).relu().flatten(1))
 
     def unknowns(self, raw: Tensor) -> dict[str, Tensor]:
         """Unknowns (b, ...) by name."""
@@ -75,7 +77,7 @@ class PortraitNetwork(nn.Module):
         return fitter.result(unknowns)
 
     def save(self, path: str | os.PathLike[str], model: FaceModel, provenance: dict[str, str]) -> None:
-        """Write the network in half precision to a safetensors file, with the face model that it is for in the header."""
+        """Write the network in half precision to a safetensors file; its header has the face model that it is for."""
         header = {"format": FORMAT, "sizes": json.dumps(self.sizes), "channels": json.dumps(self.channels)}
         state = {name: value.contiguous() for name, value in self.state_dict().items()}
         with writing(Path(path)):

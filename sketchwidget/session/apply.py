@@ -53,8 +53,8 @@ def _applied(state: State, event: Event, modeller: Modeller) -> State:
         case StartFromTemplate():
             started = followup.from_template(modeller)
             return state if _is_untouched(state, started) else started
-        case TakeOver(vertices=vertices):
-            return taken_over(modeller.face(vertices), modeller)
+        case TakeOver(vertices=vertices, texture=texture):
+            return taken_over(modeller.face(vertices), modeller, texture)
         case Exaggerate(amount=amount):
             return exaggerated(state, amount, modeller)
         case Draw() | Erase() | Clear() | Cancel() if state.mode == "followup":

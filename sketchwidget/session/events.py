@@ -8,12 +8,13 @@ from typing import Any
 
 import numpy as np
 
+from sketchwidget.face.texture import Texture
 from sketchwidget.geometry.view import View
 from sketchwidget.sketch import as_stroke
 from sketchwidget.sketch.erase import as_radius
 from sketchwidget.sketch.stroke import MAX_GIVEN_POINTS
 
-from .packed import pack, rounded, unpack
+from .packed import pack, pack_texture, rounded, unpack, unpack_texture
 
 VIEWS = ("front", "left", "right")
 FEWEST_POINTS = 3  # of a gesture: a stroke of two is a slip of the pen
@@ -235,22 +236,31 @@ class TakeOver(Event):
     vertices : (V, 3) array-like, or str
         Millimetres, in the topology of the session's model, kept as float32 rounded to 0.01; or as they are written to
         a file, packed in text.
+    texture : Texture, or dict of str, optional
+        What lies on it; or as it is written to a file.
 
     Raises
     ------
     ValueError
-        If they are no vertices of a head.
+        If they are no vertices of a head, or the texture is none for as many.
     """
 
     vertices: Any
+    texture: Any = None
 
     def __post_init__(self) -> None:
         packed = isinstance(self.vertices, str)
-        object.__setattr__(self, "vertices", unpack(self.vertices) if packed else rounded(self.vertices))
+        vertices = unpack(self.vertices) if packed else rounded(self.vertices)
+        known = self.texture is None or isinstance(self.texture, Texture)
+        texture = self.texture if known else unpack_texture(self.texture)
+        if texture is not None and len(texture.uv) != len(vertices):
+            raise ValueError(f"the texture is for {len(texture.uv)} vertices; the head has {len(vertices)}")
+        object.__setattr__(self, "vertices", vertices)
+        object.__setattr__(self, "texture", texture)
 
     def to_json(self) -> dict[str, Any]:
-        """The event as a JSON object; the vertices are packed."""
-        return {"event": "takeover", "vertices": pack(self.vertices)}
+        """The event as a JSON object; vertices and texture are packed."""
+        return {"event": "takeover", "vertices": pack(self.vertices), "texture": pack_texture(self.texture)}
 
 
 @dataclass(frozen=True, eq=False)
@@ -279,7 +289,7 @@ class Exaggerate(Event):
 _EVENTS = (Draw, Erase, Clear, Undo, Redo, Mode, StartFromTemplate, Cancel, Gesture, Brush, TakeOver, Exaggerate)
 _KINDS = {event.__name__.lower(): event for event in _EVENTS}
 
-_LATER = {"gesture": {"name"}}  # fields that files of former versions lack
+_LATER = {"gesture": {"name"}, "takeover": {"texture"}}  # fields that files of former versions lack
 
 
 def event_from_json(given: Any) -> Event:

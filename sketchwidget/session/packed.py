@@ -1,4 +1,4 @@
-"""Vertices as text: a head in a line of a session's file."""
+"""Vertices and textures as text: a head in a line of a session's file."""
 
 from __future__ import annotations
 
@@ -8,6 +8,8 @@ import zlib
 from typing import Any
 
 import numpy as np
+
+from sketchwidget.face.texture import MAX_BYTES, Texture
 
 MAX_VERTICES = 200_000
 REACH = 2_000.0  # mm from the origin: ten faces
@@ -41,7 +43,7 @@ def pack(vertices: np.ndarray) -> str:
     differences = np.diff(steps, axis=0, prepend=np.zeros((1, 3), dtype=np.int32)).astype("<i4")
     # The bytes of one place together: the upper ones are nearly all alike.
     planes = np.ascontiguousarray(differences.T).view(np.uint8).reshape(-1, 4).T
-    return base64.b64encode(zlib.compress(planes.tobytes(), 6)).decode()
+    return _as_text(zlib.compress(planes.tobytes(), 6))
 
 
 def unpack(text: str) -> np.ndarray:
@@ -54,17 +56,57 @@ def unpack(text: str) -> np.ndarray:
     """
     if len(text) > _MAX_TEXT:
         raise ValueError(f"vertices are packed in up to {_MAX_TEXT:,} characters; given {len(text):,}")
-    limit = 12 * MAX_VERTICES
+    data = _unzipped(text, 12, "vertices")
+    planes = np.frombuffer(data, dtype=np.uint8).reshape(4, -1)
+    differences = np.ascontiguousarray(planes.T).view("<i4").reshape(3, -1).T
+    return rounded(_in_millimetres(np.cumsum(differences, axis=0, dtype=np.int64)))
+
+
+def pack_texture(texture: Texture | None) -> dict[str, str] | None:
+    """A texture as a JSON object: "picture", the file in base64, and "uv", the places in it as `pack` has vertices."""
+    if texture is None:
+        return None
+    differences = np.diff(texture.steps, axis=0, prepend=np.zeros((1, 2), dtype=np.uint16))  # modulo 65,536
+    places = zlib.compress(np.ascontiguousarray(differences.T.astype("<u2")).tobytes(), 6)
+    return {"picture": _as_text(texture.picture), "uv": _as_text(places)}
+
+
+def unpack_texture(given: Any) -> Texture:
+    """The texture of a JSON object by `pack_texture`; bounded as a `Texture` is.
+
+    Raises
+    ------
+    ValueError
+        If the object is none.
+    """
+    if not isinstance(given, dict) or given.keys() != {"picture", "uv"}:
+        raise ValueError('a texture has a "picture" and a "uv"')
+    picture, uv = given["picture"], given["uv"]
+    if not isinstance(picture, str) or not isinstance(uv, str) or len(picture) > 2 * MAX_BYTES or len(uv) > _MAX_TEXT:
+        raise ValueError("picture and uv of a texture are texts, packed, of bounded length")
+    try:
+        file = base64.b64decode(picture, validate=True)
+    except (binascii.Error, ValueError) as error:
+        raise ValueError(f"this is no packed picture: {error}") from error
+    differences = np.frombuffer(_unzipped(uv, 4, "texture coordinates"), dtype="<u2").reshape(2, -1).T
+    return Texture.of_steps(file, np.cumsum(differences, axis=0, dtype=np.uint16))
+
+
+def _as_text(data: bytes) -> str:
+    return base64.b64encode(data).decode()
+
+
+def _unzipped(text: str, size: int, what: str) -> bytes:
+    """Bytes of vertices, of a size each, that are compressed in a text: of no more than 200,000 are any made."""
+    limit = size * MAX_VERTICES
     try:
         unzip = zlib.decompressobj()
         data = unzip.decompress(base64.b64decode(text, validate=True), limit + 1)
     except (binascii.Error, zlib.error, ValueError) as error:
-        raise ValueError("these are no packed vertices: damaged, or another text") from error
-    if len(data) > limit or len(data) % 12 or not unzip.eof or unzip.unused_data:
-        raise ValueError(f"these are no packed vertices: cut short, or more than {MAX_VERTICES:,}")
-    planes = np.frombuffer(data, dtype=np.uint8).reshape(4, -1)
-    differences = np.ascontiguousarray(planes.T).view("<i4").reshape(3, -1).T
-    return rounded(_in_millimetres(np.cumsum(differences, axis=0, dtype=np.int64)))
+        raise ValueError(f"these are no packed {what}: damaged, or another text") from error
+    if len(data) > limit or len(data) % size or not unzip.eof or unzip.unused_data:
+        raise ValueError(f"these are no packed {what}: cut short, or of more than {MAX_VERTICES:,} vertices")
+    return data
 
 
 def _in_millimetres(steps: np.ndarray) -> np.ndarray:

@@ -46,6 +46,7 @@ from .state import State
 
 if TYPE_CHECKING:
     from sketchwidget.face import Face
+    from sketchwidget.face.texture import Texture
     from sketchwidget.inference import FaceRegressor
 
 
@@ -78,6 +79,8 @@ class Session(HasTraits):
         The drawing, each segment with the line name inferred for it.
     face : Face
         The head of the drawing; the mean face at first.
+    texture : Texture or None
+        What lies on the head, if it was taken over with one.
     layers : Layers
         What the head is made of.
     frame : View
@@ -110,6 +113,7 @@ class Session(HasTraits):
     mode = _ModeTrait("initial")
     sketch = Instance(Sketch, args=(), read_only=True)
     face: Any = AnyTrait(read_only=True)
+    texture: Any = AnyTrait(None, read_only=True)
     layers = Instance(Layers, read_only=True)
     frame = Instance(View, args=(), read_only=True)
     refinement = Instance(Refinement, args=(), read_only=True)
@@ -218,24 +222,26 @@ class Session(HasTraits):
         """Begin follow-up sketching with the lines of the template, in place of the drawing (paper 3.2)."""
         self.do(StartFromTemplate())
 
-    def take_over(self, face: Face | np.ndarray) -> None:
+    def take_over(self, face: Face | np.ndarray, texture: Texture | None = None) -> None:
         """Make a head from elsewhere the session's: of a caricature, a portrait, another session.
 
         Its lines take the place of the drawing, and follow-up sketching begins. Its parameters are inferred from the
         lines; what they do not explain stays as a layer of its own while the lines are edited. The session's file holds
-        the head itself, to 0.01 mm.
+        the head itself, to 0.01 mm, and its texture.
 
         Parameters
         ----------
         face : Face or (V, 3) array
             Of the topology of the session's model, in millimetres and its frame.
+        texture : Texture, optional
+            What lies on it, as `Avatar.skin`; it stays on the head until another takes its place.
 
         Raises
         ------
         ValueError
             If it is no such head; nothing has changed then.
         """
-        self.do(TakeOver(getattr(face, "vertices", face)))
+        self.do(TakeOver(getattr(face, "vertices", face), texture))
 
     def exaggerate(self, amount: float) -> bool:
         """Multiply what makes the head differ from the mean face, all its layers together.
@@ -506,6 +512,7 @@ class Session(HasTraits):
             "gap": state.followup and state.followup.gap,
             "sketch": state.sketch,
             "refinement": state.refinement,
+            "texture": None if state.residual is None else state.residual.texture,
             "exaggeration": 1.0 if state.exaggeration is None else state.exaggeration.amount,
             "can_undo": self._history.can_undo,
             "can_redo": self._history.can_redo,

@@ -17,6 +17,7 @@ from .state import State
 
 if TYPE_CHECKING:
     from sketchwidget.face import Face
+    from sketchwidget.face.texture import Texture
 
     from .modeller import Modelled, Modeller
 
@@ -34,11 +35,14 @@ class Residual:
     layer : Layer
     inferred, frame : View
         Where the head that was inferred stood when the layer was made, and where the one from elsewhere did.
+    texture : Texture, optional
+        What lies on it, whatever its shape becomes.
     """
 
     layer: Layer
     inferred: View
     frame: View
+    texture: Texture | None = None
 
     def on(self, modelled: Modelled) -> Modelled:
         """An inferred head with it, where it stands now that the former moved to another frame."""
@@ -56,8 +60,8 @@ class Exaggeration:
     before: State
 
 
-def taken_over(face: Face, modeller: Modeller) -> State:
-    """The state in which the lines of a head from elsewhere are edited.
+def taken_over(face: Face, modeller: Modeller, texture: Texture | None = None) -> State:
+    """The state in which the lines of a head from elsewhere are edited, with the texture that lies on it.
 
     Its parameters are what is inferred from its lines, and what they lack is the residual: so it is the head as it was,
     and what is edited later changes the parameters below the residual.
@@ -75,7 +79,7 @@ def taken_over(face: Face, modeller: Modeller) -> State:
     sketch = editable(face.model.template, face.vertices, frame)
     inferred = modeller.inferred(sketch)
     parameters = inferred.layers.parameters
-    residual = Residual(Displacement.between(parameters, face), inferred.frame, frame)
+    residual = Residual(Displacement.between(parameters, face), inferred.frame, frame, texture)
     layers = Layers.giving(face, parameters, residual.layer)
     start = Modelled(layers, frame, tuple(segment.name for segment in sketch.segments))
     return State("followup", sketch, Followup(start, sketch), residual=residual)
@@ -97,7 +101,7 @@ def exaggerated(state: State, amount: float, modeller: Modeller) -> State:
     whole = left(before)
     face = exaggerate(modeller.head(whole).face, amount)
     rounded(face.vertices)  # refuses what is larger than any head
-    taken = taken_over(face, modeller)
+    taken = taken_over(face, modeller, None if before.residual is None else before.residual.texture)
     return replace(
         taken,
         mode="refine" if before.mode == "refine" else taken.mode,

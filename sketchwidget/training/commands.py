@@ -75,8 +75,8 @@ def portraits(
     )
     network.save(out, model, provenance(_command(), ("numpy", "scipy", "torch")) | {"licence": licence("anny")})
     typer.echo(
-        f"{out}: {out.stat().st_size / 1e6:.1f} MB; landmarks of the last portraits were {landmarks:.1f} pixels of 224 off,"
-        f" and their shape {shape:.1f} mm"
+        f"{out}: {out.stat().st_size / 1e6:.1f} MB; landmarks of the last portraits were {landmarks:.1f} pixels of 224"
+        f" off, and their shape {shape:.1f} mm"
     )
 
 

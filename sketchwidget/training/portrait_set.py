@@ -11,6 +11,7 @@ from tqdm import tqdm
 
 from ..avatar.coarse import CoarseFit, CoarseFitter
 from ..avatar.network import SIDE
+from ..avatar.square import square_about
 from ..avatar.stylize import drawn
 from ..avatar.template import AvatarTemplate
 from ..face.model import FaceModel
@@ -18,7 +19,7 @@ from ..portrait.landmarks import FaceLandmarks
 from .portraits import background, render_portrait
 
 _CARTOONS = 0.5  # share of the portraits that are drawn as cartoons
-_TURN, _SIZE, _SHIFT = 8.0, 0.10, 0.04  # standard deviations of degrees, logarithm of the size, and shares of the side
+_TURN, _SIZE, _SHIFT = 6.0, 0.03, 0.012  # standard deviations of degrees, logarithm of the size, shares of the side
 _HAIR, _OTHER_BACKGROUND = 0.6, 0.5  # how often
 _GAIN, _TINT, _GAMMA = 0.12, 0.05, 0.15  # standard deviations of the logarithms of light, its colour, and contrast
 
@@ -53,14 +54,16 @@ class PortraitSet:
     def varied(self, number: int, random: np.random.Generator) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """A portrait as it never was: picture (224, 224, 3) uint8, where the skin is (224, 224), landmarks (68, 2).
 
-        Turned, moved and scaled in its plane; with another exposure; now and then before another background and with
+        In the frame that `build` gives the network, more or less, and turned in its plane; with another exposure; now and then before another background and with
         hair about the face, which no head of the model has.
         """
         image = self.images[number]
         head = np.unpackbits(self.masks[number], axis=1).astype(np.float32)
         points = self.landmarks[number].astype(np.float64)
-        matrix = cv2.getRotationMatrix2D((SIDE / 2, SIDE / 2), random.normal(0, _TURN), np.exp(random.normal(0, _SIZE)))
-        matrix[:, 2] += random.normal(0, _SHIFT * SIDE, 2)
+        turn = cv2.getRotationMatrix2D((SIDE / 2, SIDE / 2), random.normal(0, _TURN), 1.0)
+        corner, side = square_about(points @ turn[:, :2].T + turn[:, 2])
+        matrix = turn * SIDE / side * np.exp(random.normal(0, _SIZE))
+        matrix[:, 2] += random.normal(0, _SHIFT * SIDE, 2) - corner * SIDE / side
         frame = {"M": matrix, "dsize": (SIDE, SIDE)}
         image = cv2.warpAffine(image, **frame, flags=cv2.INTER_AREA, borderMode=cv2.BORDER_REFLECT)
         head = cv2.warpAffine(head, **frame)

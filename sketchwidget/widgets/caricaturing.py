@@ -2,20 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from time import perf_counter
+from typing import Any
 
 import numpy as np
 from ipywidgets import HBox
 
 from ..caricature import CaricatureFit, exaggerate, fit
 from ..caricature.fitting import ITERATIONS
-from ..face import Face, FaceModel
 from . import toolbar
-from .head_view import HeadView
-from .marking import Marked, Marking
-from .status import Status, sentence
+from .marking import Marked
+from .status import sentence
+from .tab import Tab
 from .worker import Report, Worker
 
 FITTING = "The head is fitted to the landmarks …"
@@ -32,83 +31,28 @@ class _Fitted:
     milliseconds: float
 
 
-class Caricaturing:
+class Caricaturing(Tab):
     """A head that follows the landmarks of a picture.
 
     While a landmark is dragged, a quick step follows it; once it is let go, the head is fitted anew. Fits are done
     beside the page.
-
-    Parameters
-    ----------
-    marking : Marking
-        The picture and its landmarks.
-    head : HeadView
-    status : Status
-    model_of : callable
-        Gives the model whose heads are fitted.
-    show : callable
-        ``show(passing)`` when there is another head to show: a passing one while a landmark is dragged.
-    take_over : callable
-        Called with the head that is to become the session's.
-
-    Attributes
-    ----------
-    bar : widget
-    face : Face or None
-        The head for the landmarks at present, exaggerated.
-    amount : float
-        How much it is exaggerated beyond what was drawn.
-    timings : dict of str to float
-        Milliseconds of the last fit.
     """
 
     name = "caricature"
-    skin = None  # of clay
 
-    def __init__(
-        self,
-        marking: Marking,
-        head: HeadView,
-        status: Status,
-        model_of: Callable[[], FaceModel],
-        show: Callable[[bool], None],
-        take_over: Callable[[Face], None],
-    ) -> None:
-        self._marking, self._head, self._status = marking, head, status
-        self._model_of, self._show, self._take_over = model_of, show, take_over
-        self.face: Face | None = None
-        self.amount = 1.0
-        self.timings: dict[str, float] = {}
-        self._active = False
+    def __init__(self, *shared: Any) -> None:
+        super().__init__(*shared)
         self._fitted: _Fitted | None = None
         self._worker = Worker(self._on_fit, self._on_failure)
-        pose, self._take = toolbar.button("pose"), toolbar.button("take")
+        pose = toolbar.button("pose")
         pose.on_click(lambda _: self.look())
-        self._take.on_click(lambda _: self._on_take())
-        toolbar.set_useful(self._take, False)
         views = toolbar.bar((pose,)).add_class("sketchwidget-views")
         self.bar = HBox([views, toolbar.bar((self._take,))])
-        marking.on_change(self._on_marks)
-
-    @property
-    def exported(self) -> Face | None:
-        """What is exported while the tab is on show."""
-        return self.face
-
-    @property
-    def expected(self) -> str:
-        """What to do next, as a sentence."""
-        return self._marking.expected
 
     def enter(self) -> None:
-        """Follow the landmarks from now on."""
-        self._active = True
-        self._follow(self._marking.present, done=True)
+        """Follow the landmarks from now on, and turn the head as the picture shows it."""
+        super().enter()
         self.look()
-
-    def leave(self) -> None:
-        """Follow them no more; the head stays."""
-        self._active = False
 
     def exaggerate(self, amount: float) -> None:
         """Exaggerate the head beyond the drawing, or below it."""
@@ -119,10 +63,6 @@ class Caricaturing:
         """Turn the head as the picture shows it."""
         if self._fitted is not None:
             self._head.look_from(self._fitted.fit.rotation[2])
-
-    def _on_marks(self, marked: Marked, done: bool) -> None:
-        if self._active:
-            self._follow(marked, done)
 
     def _follow(self, marked: Marked, done: bool) -> None:
         landmarks, fitted = marked.landmarks, self._fitted
@@ -170,9 +110,3 @@ class Caricaturing:
         toolbar.set_useful(self._take, self.face is not None)
         if self._active:
             self._show(passing)
-
-    def _on_take(self) -> None:
-        if self.face is None:
-            self._status.say("There is no head to take over yet.", self.expected)
-        else:
-            self._take_over(self.face)

@@ -6,6 +6,7 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 from ..face import Face
+from ..face.texture import TexturedFace
 from ..session import Session
 from . import toolbar
 from .download import Downloads
@@ -42,7 +43,7 @@ class Files:
         self,
         session_of: Callable[[], Session],
         show: Callable[[Session], None],
-        face_of: Callable[[], Face | Avatar],
+        face_of: Callable[[], Face | TexturedFace | Avatar],
         status: Status,
     ) -> None:
         self._session_of, self._show_session, self._face_of, self._status = session_of, show, face_of, status

@@ -6,8 +6,9 @@ import numpy as np
 import pythreejs as three
 
 from ..face import Face
+from ..face.texture import Texture
 from ..geometry import View
-from .mesh_stream import MeshStream, Skin
+from .mesh_stream import MeshStream
 
 CAMERA_DISTANCE = 1000  # mm; an orthographic picture does not depend on it, the lights' directions below do
 
@@ -77,7 +78,7 @@ class HeadView:
             background_opacity=0.0,
         )
         swatch = three.DataTexture(np.full((1, 1, 4), 255, dtype=np.uint8))
-        self._skin: Skin | None = None
+        self._skin: Texture | None = None
         self.widget = MeshStream(renderer=renderer, geometry=geometry, material=clay, swatch=swatch)
         self.widget.on_ready(self._send_all)
 
@@ -86,7 +87,7 @@ class HeadView:
         """Of the head on show."""
         return self.widget.geometry
 
-    def dress(self, skin: Skin | None) -> None:
+    def dress(self, skin: Texture | None) -> None:
         """Show heads with a texture, or of clay again; nothing is sent if they have it already."""
         if skin is not self._skin:
             self._skin = skin

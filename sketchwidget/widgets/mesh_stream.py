@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -13,21 +12,7 @@ import pythreejs
 import traitlets
 from ipywidgets import CallbackDispatcher, widget_serialization
 
-
-@dataclass(frozen=True, eq=False)
-class Skin:
-    """A texture for a mesh.
-
-    Parameters
-    ----------
-    picture : bytes
-        A file that browsers read.
-    uv : (V, 2) array
-        Place of each vertex in it, 0 to 1, v upwards.
-    """
-
-    picture: bytes
-    uv: np.ndarray
+from ..face.texture import Texture
 
 
 class MeshStream(anywidget.AnyWidget):
@@ -85,7 +70,7 @@ class MeshStream(anywidget.AnyWidget):
             [np.ascontiguousarray(positions, dtype="<f4").data],
         )
 
-    def send_skin(self, skin: Skin | None) -> None:
+    def send_skin(self, skin: Texture | None) -> None:
         """Show a texture on the mesh in place of the colours of its vertices, or these again."""
         buffers = [] if skin is None else [np.ascontiguousarray(skin.uv, dtype="<f4").data, skin.picture]
         self.send({"type": "skin"}, buffers)

@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import base64
-from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import cv2
 import numpy as np
@@ -13,11 +12,10 @@ from ipywidgets import HTML, HBox, VBox
 
 from ..face import Face, FaceModel
 from . import toolbar
-from .head_view import HeadView
-from .marking import Marked, Marking
-from .mesh_stream import Skin
+from .marking import Marked
 from .puppet import Puppet
-from .status import Status, sentence
+from .status import sentence
+from .tab import Tab
 from .worker import Report, Worker
 
 if TYPE_CHECKING:
@@ -56,95 +54,47 @@ class _Built:
     marked: Marked
 
 
-class Portraying:
+class Portraying(Tab):
     """A textured head that is built from a picture whenever its landmarks change, and moved on the page.
 
-    Parameters
-    ----------
-    marking : Marking
-        The picture and its landmarks.
-    head : HeadView
-    status : Status
-    model_of : callable
-        Gives the model whose heads are built.
-    show : callable
-        ``show(passing)`` when there is another head to show.
-    take_over : callable
-        Called with the head that is to become the session's, and its texture.
+    Heads are exaggerated once they are taken over: it has no slider for it. While one is built, that of the last stage
+    is on show.
 
     Attributes
     ----------
-    bar, panel : widgets
-        Buttons over the head; and below it what the stages gave, performances and sliders.
+    panel : widget
+        Below the head: what the stages gave, performances and sliders.
     puppet : Puppet
     avatar : Avatar or None
         Of the landmarks at present.
-    face : Face or None
-        The head on show: while one is built, that of the last stage.
-    skin : Skin or None
-    timings : dict of str to float
-        Milliseconds of the stages.
     """
 
     name = "portrait"
-    amount = 1.0  # heads are exaggerated once they are taken over
 
-    def __init__(
-        self,
-        marking: Marking,
-        head: HeadView,
-        status: Status,
-        model_of: Callable[[], FaceModel],
-        show: Callable[[bool], None],
-        take_over: Callable[[Face, Skin | None], None],
-    ) -> None:
-        self._marking, self._head, self._status = marking, head, status
-        self._model_of, self._show, self._take_over = model_of, show, take_over
+    def __init__(self, *shared: Any) -> None:
+        super().__init__(*shared)
         self.avatar: Avatar | None = None
-        self.face: Face | None = None
-        self.skin: Skin | None = None
-        self.timings: dict[str, float] = {}
-        self._active = False
         self._followed: Marked | None = None  # what the head is of, or is being built of
         self._worker = Worker(self._on_built, self._on_failure, self._on_stage)
-        self._take = toolbar.button("take")
-        self._take.on_click(lambda _: self._on_take())
-        toolbar.set_useful(self._take, False)
         self._stages = HTML().add_class("sketchwidget-stages")
         self._figures: list[str] = []
-        self.puppet = Puppet(geometry=head.geometry)
+        self.puppet = Puppet(geometry=self._head.geometry)
         self.bar = HBox([toolbar.bar((self._take,))])
         self.panel = VBox([self._stages, self.puppet])
-        marking.on_change(self._on_marks)
 
     @property
     def exported(self) -> Avatar | None:
         """What is exported while the tab is on show."""
         return self.avatar
 
-    @property
-    def expected(self) -> str:
-        """What to do next, as a sentence."""
-        return self._marking.expected
-
-    def enter(self) -> None:
-        """Follow the landmarks from now on."""
-        self._active = True
-        self._follow(self._marking.present)
-
     def leave(self) -> None:
-        """Follow them no more; the head stays, at rest."""
-        self._active = False
+        """Follow the landmarks no more; the head stays, at rest."""
+        super().leave()
         self.puppet.hold(None)
 
-    def exaggerate(self, amount: float) -> None:
-        """Do nothing: it has no slider for it."""
-
-    def _on_marks(self, marked: Marked, done: bool) -> None:
-        if self._active and done:
-            self._follow(marked)
-
-    def _follow(self, marked: Marked) -> None:
+    def _follow(self, marked: Marked, done: bool) -> None:
+        if not done:
+            return
         if marked is self._followed:
             if self.avatar is None:  # it is being built
                 self._show(False)
@@ -204,20 +154,13 @@ class Portraying:
         from ..avatar import performances
 
         self.face = avatar.face
-        if self.skin is None:
-            self.skin = Skin(avatar.jpeg, avatar.uv)
+        self.skin = avatar.skin
         self._show(False)
         self.puppet.hold(avatar, performances().values())
 
     def _on_failure(self, error: Exception) -> None:
         self._followed = None
         self._status.fail(f"There is no head of this picture: {sentence(error)}")
-
-    def _on_take(self) -> None:
-        if self.avatar is None:
-            self._status.say("There is no head to take over yet.", self.expected)
-        else:
-            self._take_over(self.avatar.face, self.skin)
 
 
 def _seen(name: str, milliseconds: float, result: np.ndarray | None, picture: np.ndarray, model: FaceModel) -> _Stage:

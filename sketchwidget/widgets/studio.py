@@ -12,8 +12,8 @@ import traitlets
 from ipywidgets import Box, VBox, jslink
 
 from ..face import Face, FaceModel
+from ..face.texture import Texture, TexturedFace
 from ..session import Session
-from ..session.layers import Displacement
 from ..session.take_over import standing
 from ..sketch import SILHOUETTE, Segment, Sketch
 from . import toolbar
@@ -25,7 +25,6 @@ from .head_view import HeadView
 from .keeping import Keeping, files
 from .keyboard import Keyboard
 from .marking import Marking
-from .mesh_stream import Skin
 from .pad import Pad
 from .portraying import Portraying
 from .refine_pad import TOOLS as REFINING_TOOLS
@@ -81,7 +80,6 @@ class Studio(VBox):
         self._keeping, self._connection = Keeping(), Connection()
         self._side = "front"  # the view that the pad shows: in follow-up sketching also the profile's
         self._shown: tuple[Any, ...] = (None,) * 7  # what of the session is on show
-        self._worn: tuple[Skin | None, Any] = (None, None)  # a texture, and the layer of the head that it is for
         self._tab: Tab | None = None  # the tab on show, if it is none of a mode of the session
         super().__init__()
         self.children = self._layout()
@@ -234,21 +232,19 @@ class Studio(VBox):
         return self._drawn if self._tab is None or self._tab.face is None else self._tab.face
 
     @property
-    def _skin(self) -> Skin | None:
+    def _skin(self) -> Texture | None:
         """The texture of the head on show: the tab's, or of a head that was taken over and edited since."""
         if self._face is not self._drawn:
             return None if self._tab is None else self._tab.skin
-        skin, taken = self._worn
-        if skin is None or not isinstance(residual := self.session.layers.residual, Displacement):
-            return None
-        same = residual is taken or np.array_equal(residual.offsets, taken.offsets)  # redone, it is made anew
-        return skin if same else None
+        return self.session.texture
 
     @property
-    def _exported(self) -> Face | Avatar:
+    def _exported(self) -> Face | TexturedFace | Avatar:
         """What is exported."""
         own = None if self._tab is None else self._tab.exported
-        return self._face if own is None else own
+        if own is not None:
+            return own
+        return self._face if self._skin is None else TexturedFace(self._face, self._skin)
 
     @property
     def _edited(self) -> Session | Marking:
@@ -357,10 +353,9 @@ class Studio(VBox):
         if tab is not None:
             tab.enter()
 
-    def _take_over(self, face: Face, skin: Skin | None = None) -> None:
+    def _take_over(self, face: Face, skin: Texture | None = None) -> None:
         with self._status.reporting("The head could not be taken over"):
-            self.session.take_over(face)
-            self._worn = (skin, self.session.layers.residual)
+            self.session.take_over(face, skin)
             self._open(None)
             self._show_all()
             self._status.say("The head is taken over; undo brings the drawing back.", self._expected)

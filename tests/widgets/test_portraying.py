@@ -2,14 +2,17 @@
 
 from types import SimpleNamespace
 
+import cv2
 import numpy as np
 import pytest
 
 import sketchwidget as sw
+from sketchwidget.face.texture import Texture
 from sketchwidget.portrait import FaceLandmarks
 from sketchwidget.widgets import Studio, marking
 
 PICTURE = np.full((400, 400, 3), 128, dtype=np.uint8)
+JPEG = cv2.imencode(".jpg", PICTURE)[1].tobytes()
 
 
 @pytest.fixture(scope="module")
@@ -38,8 +41,7 @@ def built(someone, monkeypatch):
             face=someone,
             rig={},
             eyes=(),
-            jpeg=b"jpeg",
-            uv=np.zeros((len(someone.vertices), 2)),
+            skin=Texture(JPEG, np.zeros((len(someone.vertices), 2))),
             timings={"coarse": 20.0},
         )
 
@@ -89,6 +91,20 @@ def test_the_texture_stays_on_the_head_taken_over_until_that_is_undone(tab, some
     assert tab._head._skin is None
     tab._on_redo()
     assert tab._head._skin is portraying.skin
+    tab._on_exaggerate(1.5)
+    assert tab.session.exaggeration == 1.5 and tab._head._skin is portraying.skin
+
+
+def test_a_session_that_is_loaded_shows_the_texture_and_exports_it(tab):
+    tab._tabs["portrait"]._on_take()
+    saved, skin = tab.session.dumps(), tab.session.texture
+    tab._on_clear()
+    tab._on_undo()
+    tab._on_undo()
+    assert tab._head._skin is None
+    tab._files.load("someone.jsonl", saved.encode())
+    assert tab._head._skin.picture == skin.picture and np.array_equal(tab._head._skin.uv, skin.uv)
+    assert tab._exported.to_bytes("glb").startswith(b"glTF")
 
 
 def test_other_tabs_show_their_heads_of_clay(tab):
