@@ -24,9 +24,13 @@ TEXTS = (
     "README.md",
     "CONTRIBUTING.md",
     "CHANGELOG.md",
+    "docs/screens/README.md",
     *(f"benchmarks/{path.name}" for path in ROOT.glob("benchmarks/*.md")),
 )
-COPIED = ("docs/*.png", "docs/database/*.png", "benchmarks/*.png", "LICENSE", "CITATION.cff")
+COPIED = (
+    *("docs/*.png", "docs/database/*.png", "docs/screens/*.png", "benchmarks/*.png"),
+    *("binder/hub/*.py", "LICENSE", "CITATION.cff"),
+)
 PAGE = """<!doctype html>
 <html lang="en"><head><meta charset="utf-8"><meta name="viewport" content="width=device-width"><title>{title}</title>
 <style>
@@ -55,7 +59,7 @@ def build(out: Path) -> None:
         text = (ROOT / name).read_text()
         for said, source in re.findall(r"!\[(.*?)\]\((?!https?:)(.*?)\)", text):
             pictures.setdefault((Path(name).parent / source).as_posix(), said)
-        _write(out, name, name if name != "README.md" else "index.md", markdown2html(text))
+        _write(out, name, name.replace("README.md", "index.md"), markdown2html(text))
     figures = (
         f'<figure><img src="{source}" alt=""><figcaption>{said}</figcaption></figure>'
         for source, said in pictures.items()

@@ -10,7 +10,15 @@ from playwright.sync_api import Browser, BrowserContext, sync_playwright
 
 sys.path.insert(0, str(Path(__file__).parent))
 
-from jupyter_page import DEADLINE, launch_chromium, open_in_lab, open_in_voila, serve, write_notebook
+from jupyter_page import (
+    DEADLINE,
+    launch_chromium,
+    open_in_lab,
+    open_in_notebook,
+    open_in_voila,
+    serve,
+    write_notebook,
+)
 from studio_page import StudioPage
 
 # Said by the front ends themselves, whatever is on the page: pythreejs whenever it shows; pages without a network.
@@ -68,7 +76,7 @@ def contexts(browser: Browser) -> Iterator[Callable[..., BrowserContext]]:
 def open_studio(
     servers: Callable[..., tuple[str, Path]], contexts: Callable[..., BrowserContext]
 ) -> Callable[..., StudioPage]:
-    """Open a notebook of its own with a Studio in it, in "lab" or "voila", and wait until its head is on screen."""
+    """Open a notebook of its own with a Studio in it, by the name of a server, and wait until its head is on screen."""
     count = 0
 
     def open_page(
@@ -84,7 +92,7 @@ def open_studio(
         studio = StudioPage(page)
         page.on("console", lambda said: studio.errors.append(said.text) if said.type == "error" else None)
         page.on("pageerror", lambda error: studio.errors.append(str(error)))
-        (open_in_lab if kind == "lab" else open_in_voila)(page, address, notebook)
+        {"lab": open_in_lab, "notebook": open_in_notebook, "voila": open_in_voila}[kind](page, address, notebook)
         return studio.wait_until_shown()
 
     return open_page

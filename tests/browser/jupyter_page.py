@@ -52,7 +52,7 @@ def write_notebook(folder: Path, name: str, *cells: str) -> str:
 
 @contextmanager
 def serve(kind: str, folder: Path, *options: str) -> Iterator[str]:
-    """Run ``lab`` or ``voila`` on a folder of notebooks and give its address; the server ends with the context."""
+    """Run ``lab``, ``notebook`` or ``voila`` on a folder of notebooks and give its address, while the context lasts."""
     with socket.socket() as free:
         free.bind(("127.0.0.1", 0))
         port = free.getsockname()[1]
@@ -69,11 +69,11 @@ def serve(kind: str, folder: Path, *options: str) -> Iterator[str]:
         "XDG_STATE_HOME": str(folder / ".state"),
         "PYTHONPATH": os.pathsep.join(filter(None, [str(ROOT), os.environ.get("PYTHONPATH")])),
     }
+    jupyter = ["--no-browser", "--allow-root", f"--port={port}", "--ServerApp.port_retries=0"]
+    jupyter += [f"--ServerApp.root_dir={folder}", "--IdentityProvider.token="]
     command = {
-        "lab": [
-            *("jupyterlab", "--no-browser", "--allow-root", f"--port={port}", f"--ServerApp.root_dir={folder}"),
-            *("--IdentityProvider.token=", "--LabApp.expose_app_in_browser=True", "--ServerApp.port_retries=0"),
-        ],
+        "lab": ["jupyterlab", *jupyter, "--LabApp.expose_app_in_browser=True"],
+        "notebook": ["notebook", *jupyter, "--JupyterNotebookApp.expose_app_in_browser=True"],
         "voila": ["voila", str(folder), "--no-browser", f"--port={port}", "--Voila.port_retries=0"],
     }[kind]
     address = f"http://127.0.0.1:{port}"
@@ -82,7 +82,7 @@ def serve(kind: str, folder: Path, *options: str) -> Iterator[str]:
             [sys.executable, "-m", *command, *options], cwd=folder, env=environment, stdout=log, stderr=log
         )
     try:
-        _wait_for(f"{address}/api" if kind == "lab" else address, server, folder / f"{kind}.log")
+        _wait_for(address if kind == "voila" else f"{address}/api", server, folder / f"{kind}.log")
         yield address
     finally:
         server.terminate()
@@ -107,6 +107,16 @@ def _wait_for(address: str, server: subprocess.Popen[bytes], log: Path) -> None:
 def open_in_lab(page: Page, address: str, notebook: str, run: bool = True) -> None:
     """Open a notebook in JupyterLab, and run it once its kernel is idle."""
     page.goto(f"{address}/doc/tree/{notebook}")
+    _run_when_idle(page, run)
+
+
+def open_in_notebook(page: Page, address: str, notebook: str) -> None:
+    """Open a notebook in Notebook 7, and run it once its kernel is idle."""
+    page.goto(f"{address}/notebooks/{notebook}")
+    _run_when_idle(page, run=True)
+
+
+def _run_when_idle(page: Page, run: bool) -> None:
     idle = """() => {
         const panel = window.jupyterapp?.shell.currentWidget;
         const kernel = panel?.sessionContext?.session?.kernel;

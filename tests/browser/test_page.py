@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from importlib.util import find_spec
 from pathlib import Path
 
 import numpy as np
@@ -267,6 +268,16 @@ def test_a_page_that_is_slow_to_build_still_hears_from_the_kernel(
     with studio.page.expect_download() as download:
         studio.press("o")
     assert download.value.suggested_filename == "head.obj"
+
+
+@pytest.mark.skipif(find_spec("notebook") is None, reason="Notebook 7 is not installed")
+def test_notebook_7(open_studio: Callable[..., StudioPage]) -> None:
+    studio = open_studio("notebook")
+    before = studio.positions()
+    drawn(studio)
+    assert np.abs(studio.positions() - before).max() > 0.1  # mm
+    studio.press("Control+z")
+    until(studio.ink_pixels, lambda pixels: pixels == 0, "an empty pad")
 
 
 def test_dark_theme(open_studio: Callable[..., StudioPage]) -> None:
