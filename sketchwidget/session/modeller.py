@@ -176,9 +176,11 @@ class Modeller:
         _ = self.model.handles
 
     def head(self, state: State) -> Modelled:
-        """The head of a state; those of the last few states are remembered, and take no time."""
-        for known, modelled in self._heads:
+        """The head of a state; those of the states asked for last are remembered, and take no time."""
+        for number, (known, modelled) in enumerate(self._heads):
             if known is state:
+                del self._heads[number]
+                self._heads.append((known, modelled))
                 return modelled
         modelled = self._unrefined(replace(state, refinement=UNREFINED))
         if modelled.layers.refinement is not state.refinement.layer:

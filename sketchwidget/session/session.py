@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from dataclasses import replace
 from time import perf_counter
 from typing import TYPE_CHECKING, Any, Self
 
@@ -16,6 +17,7 @@ from sketchwidget.geometry.view import View
 from sketchwidget.gesture.names import LEFT_ARROW, RIGHT_ARROW
 from sketchwidget.sketch import Sketch, as_stroke
 from sketchwidget.sketch.erase import as_radius
+from sketchwidget.sketch.gap import carried_on
 
 from . import file, profile
 from .apply import apply
@@ -183,9 +185,13 @@ class Session(HasTraits):
     def preview(self, points: Any, view: str = "front", mirror: bool = False) -> Modelled:
         """What `draw` would give; nothing changes.
 
-        For a stroke that is still being drawn. Parameters and errors are those of `draw`.
+        For a stroke that is still being drawn. Parameters and errors are those of `draw`. Of a line that was erased,
+        what the stroke has not come to yet is where it was.
         """
-        return self._modeller.head(apply(self._history.state, Draw(points, view, mirror), self._modeller))
+        state, stroke = self._history.state, Draw(points, view, mirror)
+        if view == "front" and self.gap is not None:
+            stroke = replace(stroke, points=carried_on(self.gap, stroke.points))
+        return self._modeller.head(apply(state, stroke, self._modeller))
 
     def erase(self, points: Any, radius: float = 0.02) -> bool:
         """Erase the ink under the eraser.

@@ -19,6 +19,7 @@ from .polyline import arc_length, resample
 _STROKE_POINTS = 160
 _JOIN = 0.02  # canvas units from an open end within which a stroke bends into the direction of the line
 _GIVES_WAY = 5.0  # times its distance from an open end that a stroke bends towards it
+_BACK = 2.0  # times its distance from the erased line that a stroke takes back to it
 _TANGENT = 0.015  # canvas units of a line that tell its direction at an open end
 _OVERSHOOT = 0.4  # of a stroke, from each end, that may run past the open end
 _FARTHEST = 0.2  # canvas units from the gap: such a stroke means something else
@@ -185,6 +186,22 @@ def fill(gap: Gap, stroke: np.ndarray) -> Piece:
     shares = np.unique(np.concatenate([[gap.low, gap.high], at[(at > gap.low) & (at < gap.high)]]))
     points = np.stack([np.interp(shares, at, line[:, axis]) for axis in range(2)], axis=1)
     return Piece(gap.name, points, shares)
+
+
+def carried_on(gap: Gap, stroke: np.ndarray) -> np.ndarray:
+    """A stroke (n, 2) that is still being drawn, with what it has not come to yet as it was before it was erased.
+
+    From the point of the erased line that is nearest to its end on, or as far along it, it bends back to that line.
+    """
+    former = gap.erased.points.astype(np.float64)
+    if np.linalg.norm(stroke[0] - former[-1]) < np.linalg.norm(stroke[0] - former[0]):
+        former = former[::-1]
+    nearest = int(np.argmin(np.linalg.norm(former - stroke[-1], axis=1)))
+    as_far = int(np.searchsorted(arc_length(former), arc_length(stroke)[-1]))
+    left = former[min(max(nearest, as_far), len(former) - 1) :]
+    off = stroke[-1] - left[0]
+    rest = np.clip(1 - arc_length(left) / max(_BACK * float(np.linalg.norm(off)), 1e-9), 0.0, 1.0)
+    return np.concatenate([stroke, (left + (rest**2 * (3 - 2 * rest))[:, None] * off)[1:]])
 
 
 def _plain(gap: Gap, stroke: np.ndarray, start: np.ndarray, end: np.ndarray) -> np.ndarray:

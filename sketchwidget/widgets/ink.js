@@ -2,8 +2,8 @@
  *
  * Model   canvas: "IPY_MODEL_<id>" of the MultiCanvas; tool: 0 pen, 1 eraser; mirror, about x = middle; colour; line_width and radius in canvas
  *         units (the canvas is the unit square, y down); invitation: words shown on the empty pad; live: whether the pen's
- *         stroke is sent while it is drawn; pieces: polylines [x, y, x, y, …] of which the eraser takes the nearest one whole:
- *         it is marked while the eraser hovers over it.
+ *         stroke is sent while it is drawn; pieces: polylines [x, y, x, y, …] of which the eraser takes the nearest one whole,
+ *         and outline: one, or none, of which it takes what it covers: that is marked while the eraser hovers over it.
  * Sends   {type: "ready"} when the lines must be drawn: a view is shown; {type: "cancelled"} when a stroke was, and what
  *         it rubbed out or gave the head so far must go;
  *         {type: "stroke", stroke: id, tool, mirror} with one buffer: Float32 (n, 4) x, y, pressure, milliseconds.
@@ -90,7 +90,8 @@ async function render({ model, el }) {
   const taken = document.createElementNS("http://www.w3.org/2000/svg", "svg");
   taken.setAttribute("class", "sketchwidget-taken");
   taken.setAttribute("viewBox", "0 0 1 1");
-  taken.append(document.createElementNS("http://www.w3.org/2000/svg", "polyline"));
+  taken.innerHTML = `<clipPath><circle /></clipPath><polyline />`;
+  const [clip, line] = taken.children;
   pad.className = "sketchwidget-pad";
   pad.tabIndex = 0;
   pad.setAttribute("role", "img");
@@ -102,6 +103,7 @@ async function render({ model, el }) {
   el.append(pad);
 
   const page = Math.random().toString(36).slice(2);
+  clip.id = `sketchwidget-covered-${page}`;
   let count = 0;
   let stroke = null; // the one being drawn: {id, pointer, tool, mirror, points, drawn, start}
   const waiting = new Map(); // id -> a stroke sent and not yet answered
@@ -196,9 +198,12 @@ async function render({ model, el }) {
 
   /** Marks what the eraser would take at a point. */
   function mark(x, y) {
+    const [pieces, outline, radius] = [model.get("pieces"), model.get("outline"), model.get("radius")];
     const erases = model.get("tool") === 1 && !stroke;
-    const line = erases ? nearest(model.get("pieces"), x, y, model.get("radius")) : null;
-    taken.firstChild.setAttribute("points", line ? line.join(" ") : "");
+    const found = erases ? nearest([...pieces, outline], x, y, radius) : null;
+    for (const [name, value] of Object.entries({ cx: x, cy: y, r: radius })) clip.firstChild.setAttribute(name, value);
+    line.setAttribute("clip-path", found === outline ? `url(#${clip.id})` : "none");
+    line.setAttribute("points", found ? found.join(" ") : "");
   }
 
   function down(event) {
@@ -300,7 +305,7 @@ async function render({ model, el }) {
   pad.addEventListener("pointercancel", cancel);
   model.on("msg:custom", answer);
   model.on("change:invitation", showWords);
-  model.on("change:tool change:mirror change:middle change:radius change:pieces", showTool);
+  model.on("change:tool change:mirror change:middle change:radius change:pieces change:outline", showTool);
   window.addEventListener("resize", fit);
   const sizes = new ResizeObserver(fit);
   sizes.observe(pad);
@@ -313,7 +318,7 @@ async function render({ model, el }) {
     window.removeEventListener("resize", fit);
     model.off("msg:custom", answer);
     model.off("change:invitation", showWords);
-    model.off("change:tool change:mirror change:middle change:radius change:pieces", showTool);
+    model.off("change:tool change:mirror change:middle change:radius change:pieces change:outline", showTool);
     view.remove();
   };
 }

@@ -37,6 +37,7 @@ class Ink(anywidget.AnyWidget):
     line_width = traitlets.Float(0.005, help="of the wet ink, in canvas units").tag(sync=True)
     radius = traitlets.Float(0.02, help="of the eraser, in canvas units").tag(sync=True)
     pieces = traitlets.List(help="polylines that the eraser takes whole, flat lists of x and y").tag(sync=True)
+    outline = traitlets.List(help="a polyline of which the eraser takes what it covers, or nothing").tag(sync=True)
     live = traitlets.Bool(False, help="send the pen's stroke while it is drawn").tag(sync=True)
     invitation = traitlets.Unicode("", help="shown faintly on the pad").tag(sync=True)
 

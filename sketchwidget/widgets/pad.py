@@ -53,16 +53,17 @@ class Pad:
     def show(self, sketch: Sketch, ghost: Sketch | None = None, gap: Gap | None = None, by_piece: bool = False) -> None:
         """Show a sketch and, faintly under it, another one.
 
-        Of a gap, the open ends are marked, and the erased line is faint. If the eraser takes all lines but the
-        silhouette by the piece, it marks what it would take: while there is a gap, of the same line only.
+        Of a gap, the open ends are marked, and the erased line is faint. If the eraser takes lines by the piece, and of
+        the silhouette what it covers, it marks what it would take: while there is a gap, of the same line only.
         """
         self._sketch, self._ghost, self._gap = sketch, ghost, gap
         self.widget.invitation = "" if len(sketch) or ghost is not None else self.invitation
+        erasable = [one for one in sketch.segments if by_piece and (gap is None or one.name == gap.name)]
         self.widget.pieces = [
-            np.round(resample(segment.points, PIECE_POINTS).astype(float), 4).ravel().tolist()
-            for segment in sketch.segments
-            if by_piece and segment.name != SILHOUETTE and (gap is None or segment.name == gap.name)
+            _flat(resample(segment.points, PIECE_POINTS)) for segment in erasable if segment.name != SILHOUETTE
         ]
+        outlines = [_flat(segment.points) for segment in erasable if segment.name == SILHOUETTE]
+        self.widget.outline = outlines[0] if outlines else []
         self._draw()
 
     def _resize(self, _: object) -> None:
@@ -89,6 +90,11 @@ class Pad:
                 self.canvas[1].fill_circle(float(x) * size, float(y) * size, OPEN_END_RADIUS * size)
 
         _in_one_message(draw)
+
+
+def _flat(points: np.ndarray) -> list[float]:
+    """A polyline (n, 2) as the page takes it."""
+    return np.round(points.astype(float), 4).ravel().tolist()
 
 
 def _lines(sketch: Sketch, size: int) -> list[np.ndarray]:

@@ -294,11 +294,10 @@ class Studio(VBox):
         return "Both strokes drawn." if mirror else "Stroke drawn."
 
     def _on_partial(self, points: np.ndarray, mirror: bool) -> None:
-        # Half a replacement would be stretched over the whole gap.
-        if not self.session.awake or self.session.gap is not None or self._side != "front":
+        if not self.session.awake:
             return
         with suppress(Exception):  # what is no stroke yet may become one; what fails is told when the stroke ends
-            preview = self.session.preview(points[:, :2], mirror=mirror)
+            preview = self.session.preview(points[:, :2], self._side, mirror=mirror and self._side == "front")
             self._head.show(preview.face, preview.frame, passing=True)
 
     def _on_undo(self) -> None:

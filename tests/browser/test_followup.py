@@ -12,7 +12,7 @@ import sketchwidget as sw
 from sketchwidget.face.drawing import editable
 from sketchwidget.geometry import View
 
-GREEN = (13, 131, 119)
+GREEN, FAINT = (13, 131, 119), (176, 212, 207)  # open ends, and the ghost of what was erased
 SCREENSHOTS = os.environ.get("SKETCHWIDGET_SCREENSHOTS")  # a folder for pictures of what the tests saw
 
 
@@ -48,9 +48,15 @@ def erase(studio: StudioPage, points: np.ndarray) -> None:
     studio.press("p")
 
 
-def green_pixels(studio: StudioPage) -> int:
+def coloured(studio: StudioPage, colour: tuple[int, int, int]) -> np.ndarray:
+    """Places (n, 2) on the canvas that are inked in a colour."""
     ink = studio.ink().astype(int)
-    return int(((ink[..., 3] > 128) & (np.abs(ink[..., :3] - GREEN).max(axis=2) < 12)).sum())
+    rows, columns = np.nonzero((ink[..., 3] > 128) & (np.abs(ink[..., :3] - colour).max(axis=2) < 12))
+    return np.stack([columns, rows], axis=1) / len(ink)
+
+
+def near(places: np.ndarray, point: np.ndarray, within: float = 0.012) -> bool:
+    return bool(len(places)) and np.linalg.norm(places - point, axis=1).min() < within
 
 
 def test_a_higher_brow_raises_the_brow_of_the_head(studio, model, lines) -> None:
@@ -58,7 +64,7 @@ def test_a_higher_brow_raises_the_brow_of_the_head(studio, model, lines) -> None
     before, serial, piece = studio.positions()[brow], studio.serial, lines["left_brow"][0]
     erase(studio, piece)
     assert "Now draw the left brow anew" in studio.message
-    until(lambda: green_pixels(studio), what="the marked end")
+    until(lambda: len(coloured(studio, GREEN)), what="the marked end")
     keep_picture(studio, "gap")
     studio.draw(piece[::-1] - np.array([0, 0.03]))
     until(lambda: studio.message, lambda said: said.startswith("The left brow is drawn anew"), "the word of the stroke")
@@ -73,6 +79,61 @@ def test_a_higher_brow_raises_the_brow_of_the_head(studio, model, lines) -> None
     studio.press("Control+z")
     studio.press("Control+z")
     until(lambda: np.allclose(studio.positions()[brow], before, atol=1e-3), what="the former brow")
+
+
+def test_open_ends_are_marked_and_what_was_erased_is_a_ghost(studio, lines) -> None:
+    before, piece, after = lines["nose"]
+    erase(studio, piece)
+    marks = until(lambda: coloured(studio, GREEN), len, "the marked ends")
+    assert near(marks, before[-1]) and near(marks, after[0]) and not near(marks, piece[len(piece) // 2])
+    ghost = until(lambda: coloured(studio, FAINT), len, "the ghost")
+    assert all(near(ghost, point) for point in piece[2:-2])
+    assert not any(near(ghost, point) for point in np.concatenate([before[:-3], after[3:]]))
+    studio.press("Escape")
+    until(lambda: len(coloured(studio, GREEN)) + len(coloured(studio, FAINT)), lambda count: not count, "no marks")
+
+
+def test_a_mirrored_stroke_draws_both_brows(studio, model, lines) -> None:
+    brows = [model.curves[f"{side}_brow"] for side in ("left", "right")]
+    before = studio.positions()
+    for piece in lines["left_brow"]:
+        erase(studio, piece)
+    studio.click("mirror")
+    until(lambda: studio.is_on("mirror"), what="the toggle")
+    whole = np.concatenate(lines["left_brow"]) - [0, 0.03]
+    studio.draw(whole)
+    until(lambda: studio.message, lambda said: said.startswith("The left brow is drawn anew"), "the word of the stroke")
+    rises = until(
+        lambda: [(studio.positions() - before)[brow, 1] for brow in brows],
+        lambda rises: min(rise.min() for rise in rises) > 5,
+        "two higher brows",
+    )
+    assert rises[0] == pytest.approx(rises[1], abs=0.6)
+    keep_picture(studio, "mirrored")
+
+
+def test_the_head_follows_while_a_line_is_drawn(studio, model, lines) -> None:
+    brow = model.curves["left_brow"]
+    before = studio.positions()[brow]
+    for piece in lines["left_brow"]:
+        erase(studio, piece)
+    first, *others = np.concatenate(lines["left_brow"]) - [0, 0.03]
+    studio.page.mouse.move(*studio.on_screen(first))
+    studio.page.mouse.down()
+    for point in others[:6]:
+        studio.page.mouse.move(*studio.on_screen(point))
+    rise = until(
+        lambda: studio.page.mouse.move(*studio.on_screen(others[6])) or (studio.positions()[brow] - before)[:, 1],
+        lambda rise: rise[0] > 5,
+        "a brow that rises",
+    )
+    assert rise[-1] < 2
+    keep_picture(studio, "half a brow")
+    for point in others[7:]:
+        studio.page.mouse.move(*studio.on_screen(point))
+    studio.page.mouse.up()
+    until(lambda: studio.message, lambda said: said.startswith("The left brow is drawn anew"), "the word of the stroke")
+    until(lambda: (studio.positions()[brow] - before)[:, 1].min(), lambda least: least > 5, "a higher brow")
 
 
 def test_the_lower_contour_of_the_mouth_follows_the_upper_one(studio, model, lines) -> None:
@@ -110,6 +171,25 @@ def test_hovering_shows_what_the_eraser_would_take(studio, lines) -> None:
     studio.press("p")
     studio.page.mouse.move(*studio.on_screen(piece[len(piece) // 2]))
     assert not taken.get_attribute("points")
+
+
+def test_hovering_over_the_outline_shows_what_the_eraser_covers(studio, lines) -> None:
+    taken, cover = (studio.root.locator(f".sketchwidget-taken {what}") for what in ("polyline", "circle"))
+    outline = lines["silhouette"][0]
+    chin = outline[np.argmax(outline[:, 1])]
+    beside = chin + np.array([0, 0.005])
+    studio.press("e")
+    studio.page.mouse.move(*studio.on_screen(beside))
+    marked = until(lambda: taken.get_attribute("points"), what="the mark")
+    np.testing.assert_allclose(np.array(marked.split(), dtype=float).reshape(-1, 2), outline, atol=2e-4)
+    assert (taken.get_attribute("clip-path") or "").startswith("url(#")
+    circle = [float(cover.get_attribute(name) or "nan") for name in ("cx", "cy", "r")]
+    assert circle == pytest.approx([*beside, 0.02], abs=4e-3)
+    keep_picture(studio, "hover over the outline")
+    studio.draw([chin])
+    until(lambda: studio.message, lambda said: said.startswith("Erased."), "the word of the eraser")
+    studio.page.mouse.move(*studio.on_screen(lines["nose"][0][3]))
+    until(lambda: taken.get_attribute("points"), lambda points: not points, "no mark")
 
 
 def test_the_profile_is_dragged_in_the_side_view(studio, model, lines) -> None:

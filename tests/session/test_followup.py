@@ -384,6 +384,29 @@ def test_a_line_drawn_again_by_hand_is_the_newer_one(session):
     assert [segment.name for segment in session.sketch.segments].count("left_brow") == 2
 
 
+def test_while_a_line_is_drawn_the_rest_of_it_is_as_it_was(session):
+    before = session.face.curve("left_brow")[:, 1].copy()
+    for _ in range(2):
+        erase_feature(session, "left_brow")
+    higher = resample(session.gap.erased.points - np.array([0, 0.03]), 40)
+    waiting = session.sketch, session.gap
+    rise = [session.preview(higher[:count]).face.curve("left_brow")[:, 1] - before for count in (14, 40)]
+    assert rise[0][:4].min() > 5 and rise[0][-1] == pytest.approx(0, abs=0.6)
+    assert (session.sketch, session.gap) == waiting
+    session.draw(higher)
+    drawn = session.face.curve("left_brow")[:, 1] - before
+    np.testing.assert_allclose(rise[1], drawn, atol=1.5)
+    assert drawn.min() > 5
+
+
+def test_while_a_profile_is_drawn_the_head_follows(session):
+    line = session.profile()[45:75] - [0.03, 0]
+    heads = [session.preview(line[:count], view="left").face for count in (10, 20, 30)] * 2
+    session.draw(line, view="left")
+    assert np.array_equal(session.face.vertices, heads[-1].vertices)
+    assert session.undo() and np.array_equal(session.face.vertices, session.face.model.mean)
+
+
 @pytest.mark.parametrize(
     ("name", "change"),
     [

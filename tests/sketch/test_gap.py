@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from sketchwidget.sketch import Piece
 from sketchwidget.sketch.crossing import cross, without_loops
-from sketchwidget.sketch.gap import GapError, closed, feature_gap, fill, outline_gap
+from sketchwidget.sketch.gap import GapError, carried_on, closed, feature_gap, fill, outline_gap
 from sketchwidget.sketch.partner import follow, partner_of
 from sketchwidget.sketch.piece import handle_points, slid
 
@@ -68,6 +68,24 @@ def test_a_stroke_is_snapped_to_the_open_ends_whichever_way_it_ran(backwards):
     assert (np.diff(piece.points[:, 0]) > 0).all()
     assert 0.36 < piece.points[0, 0] < 0.39 and 0.43 < piece.points[-1, 0] < 0.46
     assert piece.points[:, 1].min() == pytest.approx(0.47, abs=2e-3)
+
+
+@pytest.mark.parametrize("backwards", [False, True])
+def test_a_stroke_that_is_still_drawn_bends_back_to_the_erased_line(backwards):
+    _, gap = feature_gap(line("nose", 0.3, 0.5), 0, 11)
+    x = np.linspace(0.3, 0.36, 7) if not backwards else np.linspace(0.52, 0.46, 7)
+    stroke = np.stack([x, np.full(7, 0.48)], axis=1)
+    whole = carried_on(gap, stroke)
+    np.testing.assert_array_equal(whole[:7], stroke)
+    there, before = whole[-1], gap.erased.points[0 if backwards else -1]
+    np.testing.assert_allclose(there, before, atol=1e-6)
+    assert (np.diff(whole[:, 1]) >= 0).all() and (np.diff(whole[:, 0]) * (-1 if backwards else 1) >= -1e-9).all()
+
+
+def test_a_stroke_that_came_to_the_end_is_not_carried_on():
+    _, gap = feature_gap(line("nose", 0.3, 0.5), 0, 11)
+    stroke = np.stack([np.linspace(0.3, 0.52, 20), np.full(20, 0.47)], axis=1)
+    np.testing.assert_array_equal(carried_on(gap, stroke), stroke)
 
 
 def test_points_correspond_by_arc_length():
