@@ -19,6 +19,7 @@ from ..geometry.view import CANVAS_MM, View
 from .camera import Camera
 from .eyes import Eyeball, gaze_names
 from .gltf import MorphMesh, WeightTrack, write_glb
+from .neck import neck_cap
 from .performance import Performance, performances
 from .picture import textured
 from .rig import Blend
@@ -106,7 +107,8 @@ class Avatar:
         """A textured picture (size, size, 3) uint8; a preset view is a little further away, to show the neck too."""
         if isinstance(view, str):
             view = View(View.preset(view).rotation, 0.88 / CANVAS_MM, np.array([0.5, 0.47]))
-        return textured(self.pose(weights or {}), self.model.faces, self.uv, self.texture, view, size)
+        closed = np.concatenate([self.model.faces, neck_cap(self.model)])
+        return textured(self.pose(weights or {}), closed, self.uv, self.texture, view, size)
 
     def to_glb(self, tracks: Iterable[Performance] | None = None) -> bytes:
         """The head as a binary glTF file in metres: texture, eyeballs, every expression as a morph target.
@@ -162,6 +164,7 @@ class Avatar:
         is_ball = np.zeros(len(vertices), dtype=bool)
         is_ball[np.concatenate([eye.vertices for eye in self.eyes])] = True
         kept = {"head": (np.flatnonzero(~is_ball), self.rig)}
+        cap = neck_cap(self.model)
         for eye in self.eyes:
             turned = {name: np.zeros_like(vertices) for name in gaze_names(eye.side)}
             for name, moved in turned.items():
@@ -172,13 +175,19 @@ class Avatar:
             number = np.full(len(vertices), -1)
             number[members] = np.arange(len(members))
             own = number[faces]
+            own, facing = own[(own >= 0).all(axis=1)], normals[members]
+            if name == "head":  # the cut of the neck has an edge, and so vertices of its own
+                border, closing = np.unique(cap, return_inverse=True)
+                own = np.concatenate([own, len(members) + closing.reshape(cap.shape)])
+                members = np.concatenate([members, border])
+                facing = np.concatenate([facing, np.tile((0.0, -1.0, 0.0), (len(border), 1))])
             meshes.append(
                 MorphMesh(
                     name,
                     vertices[members] / 1000,
-                    normals[members],
+                    facing,
                     self.uv[members] * (1, -1) + (0, 1),
-                    own[(own >= 0).all(axis=1)],
+                    own,
                     {target: moved[members] / 1000 for target, moved in targets.items()},
                 )
             )

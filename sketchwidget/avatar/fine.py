@@ -91,15 +91,21 @@ class FineFitter:
         return relaxed
 
     def _closing(self, vertices: np.ndarray, rest: np.ndarray) -> np.ndarray:
-        """How the skin moves (s, 3) if the lips of a head (n, 3) are to lie on each other as they do in `rest`."""
+        """How the skin moves (s, 3) if the lips of a head (n, 3) are to lie on each other as they do in `rest`.
+
+        The line between them bends as it does there: what is left of a smile would turn the corners down.
+        """
         refine, curves = self._model.template.subdivision, self._model.curves
         upper, lower = curves["mouth_upper"], curves["mouth_lower"]
         across = np.rint(np.linspace(0, len(lower) - 1, len(upper))).astype(int)
         fine, wanted = refine @ vertices, refine @ rest
         excess = (fine[upper] - fine[lower[across]]) - (wanted[upper] - wanted[lower[across]])
+        line, resting = ((head[upper, 1] + head[lower[across], 1]) / 2 for head in (fine, wanted))
+        bend = np.zeros((len(upper), 3))
+        bend[:, 1] = (resting - resting.mean()) - (line - line.mean())
         still = np.delete(self._model.landmarks, np.arange(48, 68))
         anchors = np.concatenate([upper, lower[across], still])
-        shift = np.concatenate([-excess / 2, excess / 2, np.zeros((len(still), 3))])
+        shift = np.concatenate([bend - excess / 2, bend + excess / 2, np.zeros((len(still), 3))])
         return self._moved(anchors, shift, np.ones(len(anchors)))
 
     def _moved(self, anchors: np.ndarray, shift: np.ndarray, weights: np.ndarray) -> np.ndarray:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -75,15 +76,12 @@ class RigBuilder:
 
     def _seated(self, head: np.ndarray, rig: dict[str, np.ndarray], eye: Eyeball) -> Eyeball:
         """Make the lids of an eye meet when it blinks, and set the eye back so far that they pass over it."""
-        lids, share, pairs = self._lids[eye.side]
+        lids = self._lids[eye.side]
         blink = rig[f"eyeBlink{eye.side.capitalize()}"]
-        closed = head + blink
-        gap = (
-            closed[pairs[:, 0]] - closed[pairs[:, 1]]
-        )  # of the upper lid over the lower; less than 0 where it is past it
+        gap = lids.across @ (head + blink)  # of the upper lid over the lower; less than 0 where it is past it
         gap[:, 1] -= _OVERLAP_MM
-        blink[lids] -= (share @ gap).astype(np.float32)
-        margin = np.unique(pairs)
+        blink[lids.vertices] -= (lids.share @ gap).astype(np.float32)
+        margin = lids.margin
         back = 0.0
         for instant in _INSTANTS:
             at = head[margin] + instant * blink[margin]
@@ -93,27 +91,74 @@ class RigBuilder:
             back = max(back, float((front - at[over, 2]).max(initial=0.0)))
         return set_back(eye, back + _CLEARANCE_MM)
 
-    def _find_lids(self, side: str) -> tuple[np.ndarray, sparse.csr_matrix, np.ndarray]:
-        """Fine vertices (k,) of the lids, their shares (k, p) of the gaps between pairs, and the pairs (p, 2) of
-        margin vertices, upper and lower, that meet when the eye closes.
-        """
+    def _find_lids(self, side: str) -> _Lids:
         curves, mean, faces = self._model.curves, self._model.mean, self._model.faces
-        upper, lower = curves[f"{side}_eye_upper"], curves[f"{side}_eye_lower"]
-        upper, lower = upper[1:-1], lower
-        opposite = np.abs(mean[upper, None, 0] - mean[lower, 0]).argmin(axis=1)
-        pairs = np.stack([upper, lower[opposite]], axis=1)
+        upper, lower = curves[f"{side}_eye_upper"][1:-1], curves[f"{side}_eye_lower"]
+        rows = np.arange(len(upper))
+        first, second, share = _between(_along(mean[lower]), _along(mean[curves[f"{side}_eye_upper"]])[1:-1])
+        across = sparse.csr_matrix(
+            (
+                np.concatenate([np.ones(len(upper)), share - 1, -share]),
+                (np.tile(rows, 3), np.concatenate([upper, lower[first], lower[second]])),
+            ),
+            shape=(len(upper), len(mean)),
+        )
         edges = np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]])
         length = np.linalg.norm(mean[edges[:, 0]] - mean[edges[:, 1]], axis=1)
         graph = sparse.csr_matrix((length, tuple(edges.T)), shape=(len(mean),) * 2).maximum(0)
         away = [dijkstra(graph, directed=False, indices=line, limit=_LID_MM, min_only=True) for line in (upper, lower)]
         nearest = np.minimum(*away)
-        lids = np.flatnonzero(nearest < _LID_MM)
-        fade = (1 - (nearest[lids] / _LID_MM) ** 2) ** 2
-        above = away[0][lids] < away[1][lids]
+        vertices = np.flatnonzero(nearest < _LID_MM)
+        fade = (1 - (nearest[vertices] / _LID_MM) ** 2) ** 2
+        above = away[0][vertices] < away[1][vertices]
         amount = fade * np.where(above, _UPPER_SHARE, _UPPER_SHARE - 1)
-        # Each vertex takes the gaps near it, across the eye.
-        near = np.exp(-(((mean[lids, None, 0] - mean[upper, 0]) / 1.5) ** 2))
-        return lids, sparse.csr_matrix(amount[:, None] * near / near.sum(axis=1, keepdims=True)), pairs
+        first, second, share = _between(mean[upper, 0], mean[vertices, 0])
+        taken = sparse.csr_matrix(
+            (
+                np.concatenate([amount * (1 - share), amount * share]),
+                (np.tile(np.arange(len(vertices)), 2), np.concatenate([first, second])),
+            ),
+            shape=(len(vertices), len(upper)),
+        )
+        return _Lids(vertices, taken, across, np.unique(np.concatenate([upper, lower])))
+
+
+@dataclass(frozen=True, eq=False)
+class _Lids:
+    """Both lids of an eye.
+
+    Parameters
+    ----------
+    vertices : (k,) int array
+        Fine ones of the skin that closing lids pull along.
+    share : (k, p) sparse matrix
+        How much of the gap below each vertex of the upper lid's margin each of them takes.
+    across : (p, V) sparse matrix
+        Takes a head to these gaps: the vertex of the upper margin, less the point of the lower one as far along it.
+    margin : (m,) int array
+    """
+
+    vertices: np.ndarray
+    share: sparse.csr_matrix
+    across: sparse.csr_matrix
+    margin: np.ndarray
+
+
+def _along(points: np.ndarray) -> np.ndarray:
+    """How far along its line each point (n, 3) is, 0 to 1."""
+    length = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))])
+    return length / length[-1]
+
+
+def _between(line: np.ndarray, places: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Where places (k,) are along a line (n,) that grows or falls: the numbers of two points, and the second's share.
+
+    Beyond the ends it is the last point.
+    """
+    order = np.argsort(line, kind="stable")
+    at = np.interp(places, line[order], np.arange(len(line)))
+    first = np.minimum(at.astype(int), len(line) - 2)
+    return order[first], order[first + 1], at - first
 
 
 class Blend:

@@ -24,7 +24,7 @@ _HIDDEN_MM = 2.0  # behind another surface
 _NECK_MM = (2.0, 10.0)  # below the chin: what is there may be a collar
 _JAW = 0.01  # of its breadth: how far inside it the face is sure
 _EAR_MM = 21.0  # about the ears' outline: hair may lie over them
-_PULL = 0.02  # of hidden skin towards the typical colour of its region, against its neighbours
+_PULL = 0.008  # of hidden skin towards the typical colour of its region, against its neighbours
 _SURE, _RIM = 0.7, 0.012  # of a mask: what is the person; of the picture's side: its rim, which has background in it
 
 _MENTON = 8
@@ -202,7 +202,6 @@ class TextureBaker:
         skin, hair = sure & (scalp < 0.2), sure & (scalp > 0.8)
         skin_tone = np.median(seen[skin if skin.any() else sure], axis=0)
         hair_tone = np.median(seen[hair], axis=0) if hair.any() else skin_tone
-        typical = scalp[:, None] * hair_tone + (1 - scalp[:, None]) * skin_tone
 
         fixed = sure & self._is_skin
         free = np.flatnonzero(self._is_skin & ~fixed)
@@ -210,10 +209,22 @@ class TextureBaker:
         laplacian = sparse.identity(len(seen)) - sparse.diags(1 / valence) @ self._neighbours
         system = (laplacian[free][:, free] + _PULL * sparse.identity(len(free))).tocsc()
         others = np.flatnonzero(fixed)
-        wanted = _PULL * typical[free] - laplacian[free][:, others] @ seen[others]
+        coupling, factor = laplacian[free][:, others], splu(system)
+        # A fringe hangs below where hair grows: what is seen tells how hair goes on beside it.
+        hairy = _likeness(seen[others], hair_tone, skin_tone)
+        hairy = factor.solve(_PULL * scalp[free] - coupling @ hairy)[:, None]
+        typical = hairy * hair_tone + (1 - hairy) * skin_tone
         colour[fixed] = seen[fixed]
-        colour[free] = splu(system).solve(wanted)
+        colour[free] = factor.solve(_PULL * typical - coupling @ seen[others])
         return np.clip(colour, 0, 255)
+
+
+def _likeness(colours: np.ndarray, one: np.ndarray, other: np.ndarray) -> np.ndarray:
+    """How much nearer colours (n, 3) are to one colour than to another, (n,): 1 at the first, 0 at the second."""
+    apart = one - other
+    if (length := float(apart @ apart)) < 1.0:
+        return np.zeros(len(colours))
+    return np.clip((colours - other) @ apart / length, 0.0, 1.0)
 
 
 def _above_jaw(pixels: np.ndarray, landmarks: np.ndarray) -> np.ndarray:

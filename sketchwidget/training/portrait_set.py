@@ -54,8 +54,8 @@ class PortraitSet:
     def varied(self, number: int, random: np.random.Generator) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """A portrait as it never was: picture (224, 224, 3) uint8, where the skin is (224, 224), landmarks (68, 2).
 
-        In the frame that `build` gives the network, more or less, and turned in its plane; with another exposure; now and then before another background and with
-        hair about the face, which no head of the model has.
+        In the frame that `build` gives the network, more or less, and turned in its plane; with another exposure; now
+        and then before another background and with hair about the face, which no head of the model has.
         """
         image = self.images[number]
         head = np.unpackbits(self.masks[number], axis=1).astype(np.float32)

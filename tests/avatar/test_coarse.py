@@ -76,6 +76,24 @@ def test_fine_anchors_are_met_and_the_back_of_the_head_stays(model, fit, known):
     assert np.linalg.norm(posed - fit.vertices, axis=1)[back].max() < 1.0
 
 
+def test_at_rest_the_corners_of_a_smile_hang_no_lower_than_the_models(model, fitter, known):
+    """Between the lips runs the line of the same person's mouth at rest."""
+    smile = model.bilinear.expressions[model.expressions.index("smile")]
+    neutral = model.bilinear.expressions[model.expressions.index("neutral")]
+    posed, rest = (fitter.coarse(known.identity, expression) for expression in (smile, neutral))
+    stretched = posed * (1.1, 1.0, 1.0)
+    found = FineFitter(model).neutral(stretched, posed, rest)
+    upper, lower = model.curves["mouth_upper"], model.curves["mouth_lower"]
+    refine = model.template.subdivision
+    drop = []
+    for head in (refine @ found, refine @ rest, refine @ stretched):
+        line = np.interp(np.linspace(0, 1, 9), np.linspace(0, 1, len(upper)), head[upper, 1])
+        line = (line + np.interp(np.linspace(0, 1, 9), np.linspace(0, 1, len(lower)), head[lower, 1])) / 2
+        drop.append(line[[0, -1]].mean() - line[4])
+    assert drop[2] > drop[1] + 2  # it does smile
+    assert abs(drop[0] - drop[1]) < 0.4
+
+
 def test_what_is_aligned_already_does_not_move(model, fit):
     points = fit.camera.project((model.template.subdivision @ fit.vertices)[model.landmarks])
     posed = FineFitter(model).fit(fit, FaceLandmarks(points))

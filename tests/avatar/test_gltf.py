@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 import trimesh
 
+from sketchwidget.avatar.neck import neck_cap
 from sketchwidget.avatar.performance import performances
 
 _VALIDATE = """const validator = require('gltf-validator'), fs = require('fs');
@@ -54,12 +55,13 @@ def test_trimesh_reads_the_same_head(avatar, file):
     scene = trimesh.load(file)
     assert set(scene.geometry) == {"head", "left_eye", "right_eye"}
     head = scene.geometry["head"]
-    count = len(avatar.face.vertices) - sum(len(eye.vertices) for eye in avatar.eyes)
+    cut = len(np.unique(neck_cap(avatar.model)))
+    count = len(avatar.face.vertices) - sum(len(eye.vertices) for eye in avatar.eyes) + cut
     assert head.vertices.shape == (count, 3) and head.visual.material.baseColorTexture.size == avatar.texture.shape[:2]
     assert np.allclose(scene.extents * 1000, np.ptp(avatar.face.vertices, axis=0), atol=0.01)
 
 
-ROUNDING_MM = 0.5 * 1000 / 2**15 + 1e-5  # half a step of the file's grid
+ROUNDING_MM = 0.5 * 1000 / 2**15 + 2e-6  # half a step of the file's grid, and what float32 may be off
 
 
 def test_targets_in_the_file_are_the_rig(avatar, document, file):
@@ -76,10 +78,24 @@ def test_targets_in_the_file_are_the_rig(avatar, document, file):
 
     moved = read(sparse["values"]["bufferView"], np.float32).reshape(-1, 3)
     members = np.delete(np.arange(len(avatar.face.vertices)), np.concatenate([eye.vertices for eye in avatar.eyes]))
+    members = np.concatenate([members, np.unique(neck_cap(avatar.model))])
     at = members[read(sparse["indices"]["bufferView"], np.uint32)]
-    assert np.allclose(moved * 1000, avatar.rig["jawOpen"][at], atol=ROUNDING_MM)
+    assert np.allclose(moved * 1000, avatar.rig["jawOpen"][at], rtol=0, atol=ROUNDING_MM)
     others = np.setdiff1d(members, at)
     assert np.abs(avatar.rig["jawOpen"][others]).max() <= ROUNDING_MM
+
+
+def test_the_skin_is_closed_at_the_neck(avatar):
+    """Only the slits of eyes and mouth are open: below the chin no edge has a triangle on one side only."""
+    model = avatar.model
+    skin = model.template.fine_parts == 0
+    faces = np.concatenate([model.faces[skin[model.faces].all(axis=1)], neck_cap(model)])
+    edges, count = np.unique(np.sort(faces[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2)), axis=0, return_counts=True)
+    border = edges[count == 1]
+    assert count.max() == 2
+    assert model.mean[border, 1].min() > model.mean[model.landmarks[8], 1] - 1
+    a, b, c = (model.mean[neck_cap(model)[:, k]] for k in range(3))
+    assert (np.cross(b - a, c - a)[:, 1] < 1e-6).all()
 
 
 def test_only_glb_holds_an_avatar(avatar, tmp_path):

@@ -60,6 +60,16 @@ def test_lids_meet_and_do_not_enter_the_eye(model, person):
             assert (away > eye.radius - 0.3).all()
 
 
+def test_closing_lids_stay_smooth(model, person):
+    """The margins bend as gently as they do when open: third differences, in millimetres."""
+    head, rig, _ = person
+    for side in ("left", "right"):
+        for share in (0.3, 0.5, 0.8, 1.0):
+            closed = head + share * rig[f"eyeBlink{side.capitalize()}"]
+            for lid in ("upper", "lower"):
+                assert np.abs(np.diff(closed[model.curves[f"{side}_eye_{lid}"], 1], 3)).max() < 0.5
+
+
 weights = st.dictionaries(
     st.sampled_from(["jawOpen", "mouthSmileLeft", "eyeBlinkRight", "browInnerUp"]), st.floats(0, 1)
 )
