@@ -1,144 +1,197 @@
-"""Reconstruction on rendered heads of known shape: the paper's Tables 1 and 2, and what a rig's evaluation takes.
+"""Heads from portraits: the paper's Tables 1 and 2 on rendered and on real ones, and what each stage takes.
 
-python -m benchmarks.avatar
+python -m benchmarks.avatar [--network FILE] [--pictures FOLDER]
+
+The folder holds pictures (1.jpg) with landmarks (1.txt, 68 lines of x and y), to be measured too.
 """
 
 from __future__ import annotations
 
+import argparse
 import time
-from dataclasses import replace
+from collections.abc import Iterator
+from itertools import combinations
 from pathlib import Path
 
 import numpy as np
 import torch
+from skimage import data
 
 from sketchwidget import FaceModel
 from sketchwidget.avatar import build
-from sketchwidget.avatar.coarse import CoarseFit, CoarseFitter
+from sketchwidget.avatar.build import person_about, squared
 from sketchwidget.avatar.eyes import fit_eyeballs
-from sketchwidget.avatar.fine import FineFitter
+from sketchwidget.avatar.network import PortraitNetwork
 from sketchwidget.avatar.rig import Blend, RigBuilder
-from sketchwidget.avatar.shading import shade, vertex_normals
-from sketchwidget.avatar.stylize import EyeWarp, cartoon
+from sketchwidget.avatar.stylize import drawn
 from sketchwidget.avatar.template import AvatarTemplate
-from sketchwidget.avatar.texture import TextureBaker
-from sketchwidget.geometry.alignment import similarity
-from sketchwidget.geometry.rasterise import rasterise
-from sketchwidget.portrait import FaceLandmarks
-from sketchwidget.portrait.landmarks import slid
-from sketchwidget.training.portraits import KnownPortrait, render_portrait
+from sketchwidget.portrait import FaceLandmarks, load_picture
+from sketchwidget.portrait.mask import face_oval
+from sketchwidget.portrait.mediapipe import MediaPipeDetector
+from sketchwidget.portrait.models import missing
+from sketchwidget.training.portraits import render_portrait
 from sketchwidget.training.tables import machine
 
+from .avatar_methods import LARGER_EYES, PARTS, SHORT, Case, Methods
+
 TABLE = Path(__file__).parent / "AVATAR.md"
-HEADS = 8
-_LARGER_EYES = 0.45  # of the cartoons
-PARTS = {
-    "eyes": slice(36, 48),
-    "nose": slice(27, 36),
-    "brows": slice(17, 27),
-    "mouth": slice(48, 68),
-    "contour": slice(0, 17),
-    "all": slice(0, 68),
-}
+HEADS, FIRST = 8, 1_000_000  # rendered; no training set holds their numbers
+_COLUMNS = (*PARTS, "shape", "photometric", "seconds")
+Figures = dict[str, dict[str, float]]
 
 
 def main() -> None:
     """Write `AVATAR.md` beside this file."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--network", type=Path, help="trained by `sketchwidget train portraits`")
+    parser.add_argument("--pictures", type=Path, help="folder of pictures with landmarks")
+    given = parser.parse_args()
+    stages = _stages()  # first, so that nothing is loaded yet
     torch.set_num_threads(1)
     model, template = FaceModel.load(), AvatarTemplate.load()
-    tools = (CoarseFitter(model, template), FineFitter(model), TextureBaker(model, template, 512))
-    rows: dict[str, list[dict[str, float]]] = {}
-    for seed in range(10_000, 10_000 + HEADS):
-        known = render_portrait(model, template, seed)
-        for kind, portrait in {"portrait": known, "cartoon": _as_cartoon(known)}.items():
-            for method, errors in _errors(model, template, tools, portrait).items():
-                rows.setdefault(f"{kind}, {method}", []).append(errors)
-    means = {
-        method: {name: np.mean([row[name] for row in found]) for name in found[0]} for method, found in rows.items()
-    }
-    TABLE.write_text(_table(means, _building(model, template), _evaluations(model, template)))
+    methods = Methods(model, template, None if given.network is None else PortraitNetwork.load(given.network, model))
+    cases: dict[str, list[Case]] = {"portrait": [], "cartoon": []}
+    for seed in range(FIRST, FIRST + HEADS):
+        case = Case.of(render_portrait(model, template, seed))
+        cases["portrait"].append(case)
+        cases["cartoon"].append(case.drawn())
+    rendered = {kind: _means([methods.errors(case) for case in of_kind]) for kind, of_kind in cases.items()}
+    lines = [*_heading(), *_rendered(rendered)]
+    real = {kind: of_kind for kind, of_kind in _real(given.pictures) if of_kind}
+    if real:
+        measured = {kind: _means([methods.errors(case) for case in of_kind]) for kind, of_kind in real.items()}
+        heads = [methods.head(case) for kind, of_kind in real.items() if kind != "as a cartoon" for case in of_kind]
+        apart = [methods.apart(one, other) for one, other in combinations(heads, 2)]
+        lines += _on_real(real, measured, apart)
+    TABLE.write_text("\n".join([*lines, *stages, *_rig(model, template), ""]))
     print(TABLE.read_text())
 
 
-def _as_cartoon(known: KnownPortrait) -> KnownPortrait:
-    """The portrait drawn with eyes that no head of the model has."""
-    warp = EyeWarp.of(FaceLandmarks(known.landmarks), _LARGER_EYES)
-    return replace(known, image=cartoon(warp.picture(known.image)), landmarks=warp(known.landmarks))
+def _real(folder: Path | None) -> Iterator[tuple[str, list[Case]]]:
+    """Kinds of real pictures, each with its portraits."""
+    if not missing():
+        detector, picture = MediaPipeDetector(), data.astronaut()
+        marks = detector.landmarks(picture, detector.faces(picture)[0])
+        case = _case(picture, marks)
+        made = drawn(case.image, case.marks)
+        yield "photograph", [case]
+        yield "as a cartoon", [_masked(made.image, made.marks.snapped())]
+    if folder is not None:
+        files = sorted(folder.glob("*.txt"))
+        yield (
+            "caricatures",
+            [_case(load_picture(file.with_suffix(".jpg")), FaceLandmarks(np.loadtxt(file))) for file in files],
+        )
 
 
-def _errors(model, template, tools, known: KnownPortrait) -> dict[str, dict[str, float]]:
-    coarse_fitter, fine_fitter, baker = tools
-    marks = FaceLandmarks(known.landmarks)
-    trust = known.mask.astype(np.float32)
-    refine = model.template.subdivision
-    fit = coarse_fitter.fit(known.image, marks.points, trust)
-    fine = refine @ fine_fitter.fit(fit, marks)
-    found = {"coarse": refine @ fit.vertices, "fine": fine}
-    for name, identity in (("expression adjusted", False), ("identity and expression adjusted", True)):
-        found[name] = refine @ coarse_fitter.adjusted(fit, marks.points, identity).vertices
-    texture = baker(known.image, trust, fit, fine, [], marks)
-    side = len(texture)
-    at = np.clip((baker.uv * (1, -1) + (0, 1)) * side, 0, side - 1).astype(int)
-    colours = {"coarse": _shaded(model, template, fit), "fine": texture[at[:, 1], at[:, 0]].astype(float)}
-    errors = {}
-    for method, vertices in found.items():
-        points = fit.camera.project(vertices[model.landmarks])
-        off = np.linalg.norm(points - slid(points, known.landmarks), axis=1)
-        errors[method] = {name: 100 * off[part].mean() / marks.eye_distance for name, part in PARTS.items()}
-        errors[method]["shape"] = _shape_error(model, vertices, known)
-        if method in colours:
-            errors[method]["photometric"] = _photometric(model, fit, vertices, colours[method], known)
-    return errors
+def _case(picture: np.ndarray, marks: FaceLandmarks) -> Case:
+    square, to_square, _ = squared(picture, marks)
+    return _masked(square, marks.moved(to_square).snapped())
 
 
-def _shape_error(model: FaceModel, vertices: np.ndarray, known: KnownPortrait) -> float:
-    """Mean distance in millimetres of the front of the face, aligned."""
-    true, front = known.vertices, _front(model, known)
-    scale, rotation, shift = similarity(vertices[front], true[front])
-    return float(np.linalg.norm(scale * vertices[front] @ rotation.T + shift - true[front], axis=1).mean())
+def _masked(square: np.ndarray, marks: FaceLandmarks) -> Case:
+    return Case(square, marks, person_about(square, marks) * face_oval(marks.points, square.shape[:2]))
 
 
-def _front(model: FaceModel, known: KnownPortrait) -> np.ndarray:
-    """The vertices of the front of the face."""
-    in_front = (known.vertices[:, 2] > 30) & (known.vertices[:, 1] > known.vertices[model.landmarks[8], 1])
-    return np.flatnonzero(in_front & (model.template.fine_parts == 0))
+def _means(found: list[Figures]) -> Figures:
+    return {
+        method: {name: float(np.mean([row[method][name] for row in found])) for name in found[0][method]}
+        for method in found[0]
+    }
 
 
-def _shaded(model: FaceModel, template: AvatarTemplate, fit: CoarseFit) -> np.ndarray:
-    """Colours (V, 3), 0 to 255, of albedo and light."""
-    fine = torch.from_numpy(model.template.subdivision @ fit.vertices)
-    albedo = template.albedo + np.tensordot(fit.texture, template.albedo_basis, axes=1)
-    normals = vertex_normals(fine, torch.from_numpy(model.faces.astype(np.int64))) @ torch.from_numpy(
-        fit.camera.rotation.T
-    )
-    light = torch.from_numpy(fit.light.astype(np.float64))
-    return np.clip(shade(torch.from_numpy(model.template.subdivision @ albedo), normals, light).numpy(), 0, 1) * 255
+def _heading() -> list[str]:
+    return [
+        "# Heads from portraits",
+        "",
+        f"`python -m benchmarks.avatar`, {machine()}.",
+        "",
+        "Landmark errors in hundredths of the distance between the outer corners of the eyes, those of brows and",
+        "contour from the line of the landmarks; shape in millimetres over the front of a face 200 mm high, aligned,",
+        "against the head before it was drawn; photometric: mean Manhattan distance of colours, 0 to 1 a channel, over",
+        "the front of the face; seconds of one core. `coarse` optimises equation 3 from the mean face, `fine` goes on",
+        "from there by equation 10 (Table 1); expression, or identity and expression, adjusted instead are the paper's",
+        f"Table 2. `short` is {SHORT[0]} steps with landmarks and {SHORT[1]} with colours, which begin where the",
+        "network of `sketchwidget train portraits` guesses, or at the mean face.",
+        "",
+    ]
 
 
-def _photometric(model, fit: CoarseFit, vertices: np.ndarray, colours: np.ndarray, known: KnownPortrait) -> float:
-    """Mean Manhattan distance of colours, 0 to 1 a channel, over the face."""
-    triangle, weights = rasterise(
-        fit.camera.project(vertices), model.faces, known.mask.shape, fit.camera.depth(vertices)
-    )
-    row, column = np.nonzero((triangle >= 0) & known.mask)
-    corners = model.faces[triangle[row, column]]
-    skin = np.isin(corners, _front(model, known)).all(axis=1)
-    drawn = (colours[corners] * weights[row, column][..., None]).sum(axis=1)
-    return float(np.abs(drawn - known.image[row, column])[skin].sum(axis=1).mean() / 255)
+def _rendered(kinds: dict[str, Figures]) -> list[str]:
+    return [
+        "## Rendered heads",
+        "",
+        f"{HEADS} heads whose shape is known, landmarks exact; as they are, and drawn as cartoons with eyes"
+        f" {100 * LARGER_EYES:.0f} % larger.",
+        "",
+        *_rows(kinds),
+    ]
 
 
-def _building(model: FaceModel, template: AvatarTemplate) -> float:
-    """Seconds of the processor from a portrait with landmarks to an avatar, once the model is loaded."""
-    known = render_portrait(model, template, 10_000)
-    spent = []
-    for _ in range(4):
-        start = time.process_time()
-        build(known.image, known.landmarks)
-        spent.append(time.process_time() - start)
-    return float(np.median(spent[1:]))
+def _on_real(cases: dict[str, list[Case]], kinds: dict[str, Figures], apart: list[float]) -> list[str]:
+    counts = ", ".join(f"{name}: {len(of_kind)}" for name, of_kind in cases.items())
+    lines = [
+        "## Real portraits",
+        "",
+        f"Pictures by kind: {counts}. The photograph is scikit-image's astronaut, its landmarks as the detector finds",
+        "them, as it is and as the cartoon that `build` works on; the caricatures are those of Alive Caricature that",
+        "`--pictures` names, with the landmarks that people set. Their shape nobody knows.",
+        "",
+        *_rows(kinds),
+    ]
+    if apart:
+        lines += [
+            f"Two people give two heads: at rest, those of any two of the pictures are {np.mean(apart):.1f} mm apart in"
+            f" the mean, and {np.min(apart):.1f} mm where they are nearest.",
+            "",
+        ]
+    return lines
 
 
-def _evaluations(model: FaceModel, template: AvatarTemplate) -> float:
+def _rows(kinds: dict[str, Figures]) -> list[str]:
+    lines = [f"| method | {' | '.join(_COLUMNS)} |", f"|---|{'---:|' * len(_COLUMNS)}"]
+    for kind, methods in kinds.items():
+        for method, figures in methods.items():
+            cells = [f"{figures[name]:.2f}" if name in figures else "" for name in _COLUMNS]
+            lines.append(f"| {kind}, {method} | {' | '.join(cells)} |")
+    return [*lines, ""]
+
+
+def _stages() -> list[str]:
+    """What each stage from a file to a head takes, the first time and again."""
+    if missing():
+        return []
+    columns = [_seconds_of_stages() for _ in range(4)]
+    again = {name: float(np.median([column[name] for column in columns[1:]])) for name in columns[0]}
+    first = columns[0]
+    lines = [
+        "## Stages",
+        "",
+        "Seconds of the processor, all cores together, from a photograph without landmarks to the avatar: the first",
+        "one of a process, model and networks read from the disk, and later ones.",
+        "",
+        "| stage | first | later |",
+        "|---|---:|---:|",
+    ]
+    lines += [f"| {name} | {first[name]:.2f} | {again[name]:.2f} |" for name in first]
+    return [*lines, f"| all | {sum(first.values()):.2f} | {sum(again.values()):.2f} |", ""]
+
+
+def _seconds_of_stages() -> dict[str, float]:
+    spent: dict[str, float] = {}
+    began = [time.process_time()]
+
+    def report(stage: str, *_: object) -> None:
+        now = time.process_time()
+        spent[stage], began[0] = now - began[0], now
+
+    picture = data.astronaut()
+    began[0] = time.process_time()
+    build(picture, report=report)
+    return spent
+
+
+def _rig(model: FaceModel, template: AvatarTemplate) -> list[str]:
     """Evaluations of a rig a second, all weights active, by the processor's time."""
     neutral = template.neutral.astype(np.float64)
     head = model.template.subdivision @ neutral
@@ -150,31 +203,7 @@ def _evaluations(model: FaceModel, template: AvatarTemplate) -> float:
         for _ in range(200):
             blend(weights)
         rates.append(200 / (time.process_time() - start))
-    return float(np.median(rates))
-
-
-def _table(means: dict[str, dict[str, float]], seconds: float, rate: float) -> str:
-    columns = [*PARTS, "shape", "photometric"]
-    lines = [
-        "# Heads from portraits",
-        "",
-        f"`python -m benchmarks.avatar`, {machine()}.",
-        "",
-        f"{HEADS} rendered heads whose shape is known, landmarks exact; as they are, and drawn as cartoons with eyes",
-        "45 % larger. The paper's Tables 1 and 2. Landmark errors in hundredths of the distance between the outer",
-        "corners of the eyes, those of brows and contour from the line of the landmarks; shape in millimetres over the",
-        "front of a face 200 mm high, aligned, against the head before it was drawn; photometric: mean Manhattan",
-        "distance of colours, 0 to 1 a channel.",
-        "",
-        f"| method | {' | '.join(columns)} |",
-        f"|---|{'---:|' * len(columns)}",
-    ]
-    for method, errors in means.items():
-        cells = [f"{errors[name]:.2f}" if name in errors else "" for name in columns]
-        lines.append(f"| {method} | {' | '.join(cells)} |")
-    lines += ["", f"A portrait with landmarks to a rigged avatar: {seconds:.1f} seconds of one core's time."]
-    lines += [f"Rig, 52 expressions, all weights active: {rate:,.0f} evaluations a second of it.", ""]
-    return "\n".join(lines)
+    return [f"Rig, {len(rig)} expressions, all weights active: {np.median(rates):,.0f} evaluations a second of a core."]
 
 
 if __name__ == "__main__":

@@ -148,7 +148,7 @@ def _built(
     clock: _Clock,
 ) -> Avatar:
     stages: dict[str, np.ndarray] = {}
-    square, to_square, from_square = _squared(picture, marks)
+    square, to_square, from_square = squared(picture, marks)
     marks = marks.moved(to_square).snapped()
     stages["portrait"] = square
     back = None
@@ -159,7 +159,7 @@ def _built(
         stages["cartoon"] = square
         clock.tell(square)
     with clock("mask"):
-        person = _person(square, marks)
+        person = person_about(square, marks)
     clock.tell()
     refine = tools.model.template.subdivision
     with clock("coarse"):
@@ -251,7 +251,7 @@ def _person_mask() -> PersonMask:
     return PersonMask()
 
 
-def _squared(picture: np.ndarray, marks: FaceLandmarks) -> tuple[np.ndarray, Transform, Transform]:
+def squared(picture: np.ndarray, marks: FaceLandmarks) -> tuple[np.ndarray, Transform, Transform]:
     """The square about a face, (512, 512, 3), and what takes points to it and back."""
     corner, side = square_about(marks.points)
     scale = _SIDE / side
@@ -264,7 +264,7 @@ def _squared(picture: np.ndarray, marks: FaceLandmarks) -> tuple[np.ndarray, Tra
     return square, lambda points: (points - corner) * scale, lambda points: points / scale + corner
 
 
-def _person(square: np.ndarray, marks: FaceLandmarks) -> np.ndarray:
+def person_about(square: np.ndarray, marks: FaceLandmarks) -> np.ndarray:
     """How sure each pixel is of the person; without the model the face alone is."""
     if "selfie_segmentation" in missing():
         return face_oval(marks.points, square.shape[:2]).astype(np.float32)

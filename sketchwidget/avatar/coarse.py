@@ -22,7 +22,8 @@ _PIXELS = 150.0  # how many independent pixels a face counts as
 _PRIOR = {"identity": 1.0, "expression": 1.0, "texture": 1.0}  # weights of equation 6
 _JAW, _JAW_WEIGHT = slice(0, 17), 0.3  # landmarks of the contour, which no vertex has for certain
 _FAR_SIDE = 30.0  # degrees of turning by which the far half of the contour counts no more
-_LANDMARK_STEPS, _PHOTO_STEPS, _ADJUST_STEPS = 70, 60, 200
+WHOLE = (70, 60)  # steps with landmarks alone, then with colours too, from the mean face
+_ADJUST_STEPS = 200
 _SLIDE, _REFRESH = 5, 20  # steps between new places along contours, and between looks at what is visible
 _RATE = 0.08
 USUAL_LIGHT = (3.0, 0.2, 0.4, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)  # from above and before
@@ -96,6 +97,7 @@ class CoarseFitter:
         landmarks: np.ndarray,
         confidence: np.ndarray,
         start: CoarseFit | None = None,
+        steps: tuple[int, int] = WHOLE,
     ) -> CoarseFit:
         """Minimise equation 3 on one picture: landmarks first, then colours too.
 
@@ -108,6 +110,8 @@ class CoarseFitter:
             How sure each pixel is of the face, 0 to 1: ``A_m`` of equation 5.
         start : CoarseFit, optional
             Where to begin, as from a network; by default the mean face, facing the viewer.
+        steps : (int, int)
+            How many with landmarks alone, and how many with colours too.
 
         Returns
         -------
@@ -118,9 +122,9 @@ class CoarseFitter:
         weights = _tensor(landmark_weights(self._camera(unknowns)))
         optimiser = torch.optim.Adam(unknowns.values(), lr=_RATE)
         seen = None
-        for step in range(_LANDMARK_STEPS + _PHOTO_STEPS):
+        for step in range(sum(steps)):
             optimiser.zero_grad()
-            if step >= _LANDMARK_STEPS and (step - _LANDMARK_STEPS) % _REFRESH == 0:
+            if step >= steps[0] and (step - steps[0]) % _REFRESH == 0:
                 seen = self.visible(unknowns)
             if step % _SLIDE == 0:
                 wanted = _tensor(slid(self.landmarks(unknowns).numpy(), landmarks))
