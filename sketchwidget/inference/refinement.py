@@ -21,7 +21,7 @@ Match = Callable[[np.ndarray, bool], tuple[np.ndarray, np.ndarray]]
 _MISPLACED, _MISDRAWN = 0.015, 0.01
 # Which points belong to each feature, (features, points): a feature is what may be drawn by one stroke.
 _MEMBERS = np.stack([np.isin(np.arange(sum(COUNTS.values())), at) for at in PLACES.values()]).astype(np.float64)
-_ERRORS = (0.2, 0.6)  # standard deviations by which the network misses identity and expression weights
+_ERRORS = (0.45, 0.6)  # standard deviations by which the network misses identity and expression weights
 _PLACE_ERROR = 0.02  # of scale, and canvas units of place, by which the frames of drawing and head differ
 
 

@@ -15,7 +15,7 @@ LINES = (SILHOUETTE, *FEATURES)
 OUTLINE_STEP = 3  # every third of the 180 points of a drawn outline
 _OUTLINE_POINTS = 60
 _LINE_POINTS = 12
-_NOISE = 0.01  # canvas units by which drawn lines stray: how much the points count against the prior
+_NOISE = 0.005  # canvas units by which drawn lines stray: how much the points count against the prior
 _ROUNDS = 3
 
 COUNTS = {name: _OUTLINE_POINTS if name == SILHOUETTE else _LINE_POINTS for name in LINES}
