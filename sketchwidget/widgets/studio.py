@@ -7,36 +7,34 @@ from pathlib import Path
 from threading import Thread
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
 import traitlets
-from ipywidgets import Box, VBox, jslink
+from ipywidgets import Box, VBox
 
 from ..face import Face, FaceModel
 from ..face.texture import Texture, TexturedFace
 from ..session import Session
 from ..session.take_over import standing
-from ..sketch import SILHOUETTE, Segment, Sketch
 from . import toolbar
 from .caricaturing import Caricaturing
 from .connection import Connection
+from .drawing import Drawing
 from .exaggerating import Exaggerating
 from .files import Files
 from .head_view import HeadView
+from .ink import TOOLS
 from .keeping import Keeping, files
 from .keyboard import Keyboard
 from .marking import Marking
-from .pad import Pad
 from .portraying import Portraying
 from .refine_pad import TOOLS as REFINING_TOOLS
 from .refining import EXPECTED, Refining
-from .status import Status, expected_next, said
+from .status import Status
 from .tab import Tab
-from .welcome import Welcome, beyond
+from .welcome import Welcome
 
 if TYPE_CHECKING:
     from ..avatar import Avatar
 
-TOOLS = ("pen", "eraser")
 MODES = ("initial", "followup", "refine")
 TABS = (*MODES, "caricature", "portrait")
 VIEWS = ("front", "left", "right", "three-quarter")
@@ -74,25 +72,25 @@ class Studio(VBox):
         session = Session() if session is None else session
         # A session infers its first face when asked for it; the mean face needs no network, so the page has it at once.
         self._resting_face = session.face if session.trait_has_value("face") else FaceModel.load().face()
-        self._pad = Pad()
         self._head = HeadView(self._resting_face)
         self._status = Status()
         self._keeping, self._connection = Keeping(), Connection()
-        self._side = "front"  # the view that the pad shows: in follow-up sketching also the profile's
         self._shown: tuple[Any, ...] = (None,) * 7  # what of the session is on show
         self._tab: Tab | None = None  # the tab on show, if it is none of a mode of the session
         super().__init__()
         self.children = self._layout()
         self.add_class("sketchwidget-studio")
-        self._pad.widget.on_stroke(self._on_stroke)
-        self._pad.widget.on_partial(self._on_partial)
-        self._pad.widget.on_cancel(self._show_head)
         self._head.widget.on_ready(self._wake)
         self._waking = Thread(target=_wake, args=[session], daemon=True)
         self.session = session
 
     def __repr__(self) -> str:
         return f"Studio({self.session!r})"
+
+    def _repr_mimebundle_(self, **kwargs: Any) -> Any:
+        """What a notebook shows; where it was saved and is opened without its kernel, how to see more."""
+        shown = super()._repr_mimebundle_(**kwargs)
+        return shown and {**shown, "text/plain": "The Studio appears here once this cell is run (Shift+Enter)."}
 
     @staticmethod
     def kept() -> list[Path]:
@@ -103,14 +101,13 @@ class Studio(VBox):
 
     def _layout(self) -> list[Any]:
         self._mode = toolbar.choice(*TABS)
-        self._tools = toolbar.choice(*TOOLS)
-        self._mirror, self._ghost, self._live = (toolbar.toggle(name) for name in ("mirror", "ghost", "live"))
-        self._live.value = True
         self._undo, self._redo, self._clear = (toolbar.button(name) for name in ("undo", "redo", "clear"))
-        self._cancel, template = toolbar.button("cancel"), toolbar.button("template")
+        template = toolbar.button("template")
         views = [toolbar.button(name) for name in VIEWS]
         self._files = Files(lambda: self.session, self._set_session, lambda: self._exported, self._status)
         self._welcome = Welcome(self._on_example)
+        inked = (lambda: self.session, lambda: self._drawn, self._head, self._show_head, lambda: self._expected)
+        self._drawing = Drawing(*inked, self._status)
         self._refining = Refining(lambda: self.session, self._head, self._status)
         self._exaggerating = Exaggerating(self._on_exaggerate)
         self.marking = Marking(self._status)
@@ -119,15 +116,9 @@ class Studio(VBox):
         self.portrait = portraying.puppet
         self._tabs: dict[str, Tab] = {"caricature": Caricaturing(*shared), "portrait": portraying}
 
-        # Linked in the browser, so that a stroke right after a key is drawn with the tool that the key chose.
-        jslink((self._tools, "index"), (self._pad.widget, "tool"))
-        jslink((self._mirror, "value"), (self._pad.widget, "mirror"))
-        jslink((self._live, "value"), (self._pad.widget, "live"))
-        self._ghost.observe(lambda _: self._show_drawing(), "value")
         self._undo.on_click(lambda _: self._on_undo())
         self._redo.on_click(lambda _: self._on_redo())
         self._clear.on_click(lambda _: self._on_clear())
-        self._cancel.on_click(lambda _: self._on_cancel())
         template.on_click(lambda _: self._on_template())
         self._mode.observe(self._on_mode, "value")
         for name, button in zip(VIEWS, views, strict=True):
@@ -136,12 +127,12 @@ class Studio(VBox):
         saving, exports = self._files.groups
         title = Box([toolbar.bar((self._mode,)), toolbar.bar((template, *saving), exports)])
         title.add_class("sketchwidget-title")
-        tools = toolbar.bar((self._tools,)).add_class(at("drawing"))
+        drawing = self._drawing
         edits = toolbar.bar((self._undo, self._redo, self._clear))
-        more = toolbar.bar((self._cancel,), (self._mirror, self._ghost, self._live)).add_class(at("drawing"))
-        pads = [self._pad.widget.add_class(at("drawing")), self.marking.pad.add_class(at("picture"))]
-        pad_bars = _row(tools, self.marking.bar.add_class(at("picture")), edits, more)
-        left = VBox([pad_bars, *pads, self._welcome.add_class(at("drawing"))]).add_class("sketchwidget-panel")
+        pads = [drawing.pad.widget.add_class(at("drawing")), self.marking.pad.add_class(at("picture"))]
+        pad_bars = [drawing.tools.add_class(at("drawing")), self.marking.bar.add_class(at("picture"))]
+        pad_bars += [edits, drawing.more.add_class(at("drawing"))]
+        left = VBox([_row(*pad_bars), *pads, self._welcome.add_class(at("drawing"))]).add_class("sketchwidget-panel")
         head_bars = [toolbar.bar(tuple(views)).add_class("sketchwidget-views"), self._refining.bar]
         head_bars += [tab.bar.add_class(at(name)) for name, tab in self._tabs.items()]
         below = [self._exaggerating.bar, portraying.panel.add_class(at("portrait")), self._refining.chart]
@@ -175,10 +166,8 @@ class Studio(VBox):
 
     def _show_all(self) -> None:
         session = self.session
-        if session.mode != "followup":
-            self._side = "front"
         self._show_head()
-        self._show_drawing()
+        self._drawing.show()
         self._refining.show(hidden=self._tab is not None)
         loaded = self._tab is None and self._files.just_loaded
         toolbar.set_useful(self._undo, self._edited.can_undo or loaded)
@@ -187,7 +176,6 @@ class Studio(VBox):
         marked = len(session.handles) or session.refinement.region is not None
         there = bool(marked if session.mode == "refine" else len(session.sketch))
         toolbar.set_useful(self._clear, there if self._tab is None else self.marking.present.picture is not None)
-        toolbar.set_useful(self._cancel, session.gap is not None)
         name = session.mode if self._tab is None else self._tab.name
         self._mode.value = name if name in TABS else None
         self._exaggerating.show(session.exaggeration if self._tab is None else self._tab.amount)
@@ -205,26 +193,13 @@ class Studio(VBox):
         else:
             self._show_all()
 
-    def _show_drawing(self) -> None:
-        session = self.session
-        if self._side != "front":
-            self._pad.show(Sketch((Segment(SILHOUETTE, session.profile(self._side)),)))
-            return
-        ghost = self._drawn.sketch(wrinkles=False, view=session.frame) if self._ghost.value else None
-        edited = session.mode == "followup"
-        self._pad.widget.middle = float(session.frame.centre[0]) if edited else 0.5
-        self._pad.show(session.sketch, ghost, session.gap, by_piece=edited)
-
     @property
     def _expected(self) -> str:
         if self._tab is not None:
             return self._tab.expected
         if self.session.mode == "refine":
             return EXPECTED
-        if self._side != "front":
-            return "Draw beside the profile to drag it."
-        session = self.session
-        return beyond(session) or expected_next(session.sketch, session.mode, session.gap)
+        return self._drawing.expected
 
     @property
     def _face(self) -> Face:
@@ -268,38 +243,6 @@ class Studio(VBox):
 
     # -- what the user does --------------------------------------------------------------------------------------------
 
-    def _on_stroke(self, points: np.ndarray, tool: str, mirror: bool) -> None:
-        if not self.session.awake:
-            self._status.say("The network is waking up; the head follows in a moment.")
-        before = self.session.sketch
-        with self._status.reporting("The head could not follow this stroke, the drawing is kept"):
-            self._status.say(self._did(points[:, :2], tool, mirror), self._expected)
-        if self.session.sketch is before:  # the head may have followed what came to nothing
-            self._show_head()
-
-    def _did(self, points: np.ndarray, tool: str, mirror: bool) -> str:
-        """Draw or erase; what happened, as a sentence."""
-        session, gap = self.session, self.session.gap
-        if tool == "eraser" and self._side != "front":
-            return "The profile is not erased."
-        if tool == "eraser":
-            if session.erase(points, radius=self._pad.widget.radius):
-                return "Erased."
-            return "Nothing to erase there." if gap is None else "What was erased comes first."
-        session.draw(points, view=self._side, mirror=mirror and self._side == "front")
-        if self._side != "front":
-            return "The profile follows."
-        if gap is not None:
-            return f"The {said(gap.name)} is drawn anew."
-        return "Both strokes drawn." if mirror else "Stroke drawn."
-
-    def _on_partial(self, points: np.ndarray, mirror: bool) -> None:
-        if not self.session.awake:
-            return
-        with suppress(Exception):  # what is no stroke yet may become one; what fails is told when the stroke ends
-            preview = self.session.preview(points[:, :2], self._side, mirror=mirror and self._side == "front")
-            self._head.show(preview.face, preview.frame, passing=True)
-
     def _on_undo(self) -> None:
         with self._status.reporting("Nothing could be undone"):
             if self._tab is not None or not self._files.undo_loading():
@@ -316,11 +259,6 @@ class Studio(VBox):
             self._edited.clear()
             marks = self._tab is not None or self.session.mode == "refine"
             self._status.say(f"Cleared; undo brings the {'marks' if marks else 'drawing'} back.", self._expected)
-
-    def _on_cancel(self) -> None:
-        with self._status.reporting("What was erased could not be put back"):
-            happened = "It is as it was." if self.session.cancel() else "Nothing waits to be drawn anew."
-            self._status.say(happened, self._expected)
 
     def _on_template(self) -> None:
         with self._status.reporting("The template could not be drawn"):
@@ -345,6 +283,7 @@ class Studio(VBox):
         if self._tab is not None:
             self._tab.leave()
             self._head.look("front")
+            self._drawing.turn("front")
         self._tab, name = tab, None if tab is None else tab.name
         shown = {"drawing": tab is None, "picture": tab is not None, **{other: other == name for other in self._tabs}}
         for place, on in shown.items():
@@ -381,11 +320,7 @@ class Studio(VBox):
 
     def _on_view(self, name: str) -> None:
         self._head.look(name)
-        sides = self._tab is None and self.session.mode == "followup"
-        side = name if sides and name in ("left", "right") else "front"
-        if side != self._side and self.session.gap is None:
-            self._side = side
-            self._show_drawing()
+        if self._tab is None and self._drawing.turn(name):
             self._status.say(self._expected)
 
 

@@ -45,7 +45,7 @@ def shown(regressor, face, monkeypatch):
 
 def stroke(shown, points=OVAL, tool="pen", mirror=False):
     points = np.column_stack([np.asarray(points, dtype=np.float32), np.zeros((len(points), 2), dtype=np.float32)])
-    shown._on_stroke(points, tool, mirror)
+    shown._drawing._on_stroke(points, tool, mirror)
 
 
 def test_a_stroke_is_drawn_and_the_head_follows(shown, sent):
@@ -61,11 +61,17 @@ def test_a_stroke_is_drawn_and_the_head_follows(shown, sent):
 def test_a_script_draws_and_the_studio_shows_it(shown, sent):
     messages = sent(shown._head.widget)
     shown.session.draw(OVAL)
-    assert len(messages) == 1 and shown._pad.widget.invitation == ""
+    assert len(messages) == 1 and shown._drawing.pad.widget.invitation == ""
 
 
 def test_the_first_face_is_not_inferred(shown):
     assert not shown.session.trait_has_value("face")
+
+
+def test_a_notebook_that_is_opened_without_its_kernel_says_how_to_see_the_studio(shown):
+    shown_in_notebook = shown._repr_mimebundle_()
+    assert "Shift+Enter" in shown_in_notebook["text/plain"]
+    assert shown_in_notebook["application/vnd.jupyter.widget-view+json"]["model_id"] == shown.model_id
 
 
 def test_tools_and_mirror(shown):
@@ -143,10 +149,10 @@ def test_a_bad_file_is_a_sentence_and_keeps_the_drawing(shown, content):
 
 
 def test_the_ghost_is_the_heads_own_drawing(shown):
-    shown._ghost.value = True
-    assert shown._pad._ghost is not None and len(shown._pad._ghost) == 1
-    shown._ghost.value = False
-    assert shown._pad._ghost is None
+    shown._drawing._ghost.value = True
+    assert shown._drawing.pad._ghost is not None and len(shown._drawing.pad._ghost) == 1
+    shown._drawing._ghost.value = False
+    assert shown._drawing.pad._ghost is None
 
 
 def test_another_session_is_shown_and_the_former_let_go(shown, regressor, sent):
@@ -174,7 +180,7 @@ def test_studio_does_not_import_torch_before_it_is_on_a_page():
 
 def test_a_change_is_drawn_once(shown, monkeypatch):
     drawings = []
-    monkeypatch.setattr(shown._pad, "show", lambda *drawing, **options: drawings.append(drawing))
+    monkeypatch.setattr(shown._drawing.pad, "show", lambda *drawing, **options: drawings.append(drawing))
     shown.session.draw(OVAL)
     shown.session.undo()
     assert len(drawings) == 2
@@ -182,7 +188,7 @@ def test_a_change_is_drawn_once(shown, monkeypatch):
 
 def partial(shown, points=OVAL, mirror=False):
     points = np.column_stack([np.asarray(points, dtype=np.float32), np.zeros((len(points), 2), dtype=np.float32)])
-    shown._on_partial(points, mirror)
+    shown._drawing._on_partial(points, mirror)
 
 
 def test_the_head_follows_a_stroke_that_is_still_being_drawn(shown, sent):
@@ -198,7 +204,7 @@ def test_a_stroke_that_comes_to_nothing_gives_the_head_back(shown, sent):
     messages = sent(shown._head.widget)
     shown.session.draw(OVAL)
     partial(shown)
-    shown._pad.widget._handle_custom_msg({"type": "cancelled"}, [])
+    shown._drawing.pad.widget._handle_custom_msg({"type": "cancelled"}, [])
     np.testing.assert_array_equal(*(np.frombuffer(messages[k][1][0], dtype="<f4") for k in (0, -1)))
     partial(shown)
     stroke(shown, [(np.nan, 0.5), (0.6, 0.5)])
@@ -235,22 +241,22 @@ class TestFollowUp:
         return points
 
     def test_the_lines_of_the_template_are_shown(self, shown):
-        assert shown._mode.value == "followup" and "left_brow" in shown._pad._sketch.lines
+        assert shown._mode.value == "followup" and "left_brow" in shown._drawing.pad._sketch.lines
         assert shown._status.message.startswith("Erase a piece of a line")
         assert shown._status._figures.value.startswith("Follow-up")
 
     def test_an_erased_piece_waits_and_says_so(self, shown):
-        assert len(shown._pad.widget.pieces) == len(shown.session.sketch) - 1
+        assert len(shown._drawing.pad.widget.pieces) == len(shown.session.sketch) - 1
         outline = shown.session.sketch.lines["silhouette"][0]
-        np.testing.assert_allclose(np.reshape(shown._pad.widget.outline, (-1, 2)), outline, atol=1e-4)
+        np.testing.assert_allclose(np.reshape(shown._drawing.pad.widget.outline, (-1, 2)), outline, atol=1e-4)
         self.erase_brow(shown)
-        assert shown._pad.widget.outline == []
-        assert shown._pad._gap is shown.session.gap is not None
+        assert shown._drawing.pad.widget.outline == []
+        assert shown._drawing.pad._gap is shown.session.gap is not None
         assert shown._status.message.startswith("Erased. Now draw the left brow anew from the marked end")
-        assert len(shown._pad.widget.pieces) == len(shown.session.sketch.lines["left_brow"])
+        assert len(shown._drawing.pad.widget.pieces) == len(shown.session.sketch.lines["left_brow"])
         stroke(shown, points=[shown.session.sketch.lines["nose"][0][3]], tool="eraser")
         assert shown._status.message.startswith("What was erased comes first.")
-        shown._cancel.click()
+        shown._drawing._cancel.click()
         assert shown.session.gap is None and shown._status.message.startswith("It is as it was.")
 
     def test_the_replacement_moves_the_head(self, shown, sent):
@@ -269,13 +275,19 @@ class TestFollowUp:
 
     def test_in_a_side_view_the_profile_is_dragged(self, shown):
         shown._on_view("left")
-        assert list(shown._pad._sketch.lines) == ["silhouette"]
+        assert list(shown._drawing.pad._sketch.lines) == ["silhouette"]
         before = shown.session.face
         line = shown.session.profile("left")
         stroke(shown, points=line[50:70] - np.array([0.02, 0]))
         assert shown.session.face is not before and shown._status.message.startswith("The profile follows.")
         shown._on_view("front")
-        assert "left_brow" in shown._pad._sketch.lines
+        assert "left_brow" in shown._drawing.pad._sketch.lines
+
+    def test_the_pad_is_seen_from_the_front_again_as_the_head_is_after_a_tab_of_pictures(self, shown):
+        shown._on_view("left")
+        shown._mode.value = "caricature"
+        shown._mode.value = "followup"
+        assert "left_brow" in shown._drawing.pad._sketch.lines
 
     def test_the_template_button_starts_anew(self, shown):
         points = self.erase_brow(shown)
