@@ -198,6 +198,9 @@ def _serve_lab(notebook: Path, host: str, port: int) -> None:
             f"--ServerApp.root_dir={notebook.parent}",
             f"--IdentityProvider.token={token}",
             f"--LabApp.default_url={path}",
+            # Nothing is fetched from elsewhere, and no question about it lies over the Studio.
+            "--LabApp.news_url=None",
+            "--LabApp.check_for_updates_class=jupyterlab.handlers.announcements.NeverCheckForUpdate",
         ]
     )
     # The loop's first callback binds the port: after it, the address answers.

@@ -143,6 +143,8 @@ def test_studio_answers_at_the_address_it_prints(tmp_path, port):
             with urllib.request.urlopen(address, timeout=30) as page:
                 assert page.status == 200
                 assert "/login" not in page.url
+                config = re.search(r'id="jupyter-config-data"[^>]*>(.*?)</script>', page.read().decode(), re.DOTALL)
+                assert config and json.loads(config[1])["news"] == {"disabled": True}  # no question over the Studio
             name = address.split("/lab/tree/")[1]
             with urllib.request.urlopen(f"http://127.0.0.1:{port}/api/contents/{name}", timeout=30) as page:
                 assert any("sw.Studio()" in cell["source"] for cell in json.load(page)["content"]["cells"])
