@@ -74,7 +74,7 @@ def _decoded(file: Any, size: int, name: str) -> np.ndarray:
     except UnidentifiedImageError as error:
         raise ValueError(f"{name} is no picture that can be read: give a {', '.join(_FORMATS)} file") from error
     except (OSError, SyntaxError, EOFError, IndexError) as error:
-        raise ValueError(f"{name} is a damaged picture: {error}") from error
+        raise ValueError(f"{name} is a damaged picture ({error}): save it anew, or give another one") from error
     return _reduced(ImageOps.exif_transpose(picture))
 
 

@@ -6,6 +6,15 @@ from sketchwidget import FaceModel
 from sketchwidget.avatar.camera import Camera
 from sketchwidget.avatar.template import AvatarTemplate
 from sketchwidget.geometry.view import View
+from sketchwidget.portrait import models
+
+
+@pytest.fixture(scope="session", autouse=True)
+def no_models(tmp_path_factory):
+    """As on a bare machine, whatever this one has in its cache."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(models, "user_cache_path", lambda name: tmp_path_factory.getbasetemp() / "no models" / name)
+        yield
 
 
 @pytest.fixture(scope="session")

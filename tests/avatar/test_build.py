@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from sketchwidget.avatar import build
-from sketchwidget.portrait import FaceLandmarks, models
+from sketchwidget.portrait import FaceLandmarks
 
 
 class Detector:
@@ -16,11 +16,6 @@ class Detector:
 
     def landmarks(self, image, box):
         return FaceLandmarks(self.points, score=self.score)
-
-
-@pytest.fixture
-def no_models(tmp_path, monkeypatch):
-    monkeypatch.setattr(models, "user_cache_path", lambda name: tmp_path / name)
 
 
 def test_landmarks_of_the_head_lie_on_those_of_the_portrait(avatar, portrait):
@@ -63,12 +58,12 @@ def test_pixels_scale_with_the_picture(portrait):
     assert np.allclose(large.camera.project(large.portrait.landmarks), large.project(), atol=0.5)
 
 
-def test_without_models_landmarks_by_hand_are_enough(no_models, portrait):
+def test_without_models_landmarks_by_hand_are_enough(portrait):
     image, landmarks, _ = portrait
     assert build(image, landmarks, stylize=False).texture.dtype == np.uint8
 
 
-def test_without_models_and_landmarks_it_says_what_to_run(no_models, portrait):
+def test_without_models_and_landmarks_it_says_what_to_run(portrait):
     with pytest.raises(ValueError, match="sketchwidget models"):
         build(portrait[0])
 
