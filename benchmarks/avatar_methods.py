@@ -10,6 +10,7 @@ import numpy as np
 import torch
 
 from sketchwidget import FaceModel
+from sketchwidget.avatar.build import squared
 from sketchwidget.avatar.coarse import CoarseFit, CoarseFitter
 from sketchwidget.avatar.fine import FineFitter
 from sketchwidget.avatar.network import PortraitNetwork
@@ -59,7 +60,9 @@ class Case:
     def of(cls, portrait: KnownPortrait) -> Case:
         """A rendered portrait."""
         marks = FaceLandmarks(portrait.landmarks)
-        return cls(portrait.image, marks, portrait.mask.astype(np.float32), portrait.vertices)
+        square, to_square, _ = squared(portrait.image, marks)
+        mask, _, _ = squared(portrait.mask.astype(np.float32), marks)
+        return cls(square, marks.moved(to_square), mask, portrait.vertices)
 
     def drawn(self) -> Case:
         """The same as a cartoon with eyes that no head of the model has."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import torch
@@ -109,7 +109,7 @@ class CoarseFitter:
         confidence : (H, W) array
             How sure each pixel is of the face, 0 to 1: ``A_m`` of equation 5.
         start : CoarseFit, optional
-            Where to begin, as from a network; by default the mean face, facing the viewer.
+            Where to begin, as from a network, with the camera that suits the landmarks; by default the mean face.
         steps : (int, int)
             How many with landmarks alone, and how many with colours too.
 
@@ -118,8 +118,9 @@ class CoarseFitter:
         CoarseFit
         """
         picture, sure = as_tensors(image, confidence)
-        unknowns = self.unknowns(self.mean_face(landmarks) if start is None else start)
-        weights = _tensor(landmark_weights(self._camera(unknowns)))
+        start = self.mean_face(landmarks) if start is None else self._aligned(start, landmarks)
+        unknowns = self.unknowns(start)
+        weights = _tensor(landmark_weights(start.camera))
         optimiser = torch.optim.Adam(unknowns.values(), lr=_RATE)
         seen = None
         for step in range(sum(steps)):
@@ -224,6 +225,11 @@ class CoarseFitter:
         camera = Camera.of(rest, landmarks, landmark_weights())
         u, v = (centre.numpy() for centre in self._centres)
         return CoarseFit(u, v, np.zeros(len(self._albedo_basis)), np.array(USUAL_LIGHT), camera, self.coarse(u, v))
+
+    def _aligned(self, fit: CoarseFit, landmarks: np.ndarray) -> CoarseFit:
+        """A fit with the camera that brings its head nearest to landmarks (68, 2)."""
+        points = (self._model.template.subdivision @ fit.vertices)[self._model.landmarks]
+        return replace(fit, camera=Camera.of(points, landmarks, landmark_weights(fit.camera)))
 
     def points(self, unknowns: dict[str, torch.Tensor]) -> torch.Tensor:
         """The skin's vertices, then the landmarks, of heads in their own frame: ([b,] n + 68, 3) millimetres."""
