@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from itertools import combinations
 
 import numpy as np
 from scipy.spatial.distance import cdist
@@ -104,17 +105,24 @@ class _Extent:
     width: float
     height: float
     closed: bool
+    ends: np.ndarray
 
     @classmethod
     def of(cls, stroke: np.ndarray) -> _Extent:
         x, y = stroke.mean(axis=0).tolist()
         width, height = np.ptp(stroke, axis=0).tolist()
         gap = math.dist(stroke[0], stroke[-1])
-        return cls(x, y, width, height, gap < 0.3 * math.hypot(width, height) or len(stroke) == 1)
+        closed = gap < 0.3 * math.hypot(width, height) or len(stroke) == 1
+        return cls(x, y, width, height, closed, stroke[[0, -1]])
+
+    def meets(self, other: _Extent) -> bool:
+        """Whether both end where the other does, as the lids of an eye: either way, within a quarter of their width."""
+        apart = [np.linalg.norm(self.ends - ends, axis=1).max() for ends in (other.ends, other.ends[::-1])]
+        return bool(min(apart) < 0.25 * min(self.width, other.width))
 
 
 def _eyes_and_brows(strokes: Mapping[int, _Extent], lines: Mapping[str, np.ndarray], side: str) -> dict[int, str]:
-    """Names of the strokes about one eye by their order: a closed one is the eye, and the brow is above the eye."""
+    """Names of the strokes about one eye: a closed one, or two whose ends meet, is the eye; the brow is above it."""
     upper, brow = lines[f"{side}_eye_upper"], lines[f"{side}_brow"]
     middle, width = upper.mean(axis=0), float(np.ptp(upper[:, 0]))
     top = brow[:, 1].mean() - 1.2 * width
@@ -126,6 +134,9 @@ def _eyes_and_brows(strokes: Mapping[int, _Extent], lines: Mapping[str, np.ndarr
         and stroke.width < 2.2 * width
     }
     round_ones = {index for index, stroke in about.items() if stroke.closed}
+    for one, other in combinations(about, 2):
+        if about[one].meets(about[other]):
+            round_ones |= {one, other}
     if not round_ones and len(about) < 2:
         return {}
     eyes = [about[index].y for index in round_ones] or [max(stroke.y for stroke in about.values())]

@@ -117,6 +117,7 @@ def short(name):
         ("07_angry", "silhouette re re re le le le rb lb nose mouth wrinkle wrinkle"),
         ("08_laughing", "silhouette re le rb lb nose mouth mouth"),
         ("09_wink", "silhouette re re re le rb lb nose mouth"),
+        ("22_wink_left", "silhouette re re le rb lb nose mouth"),
         ("11_broad_jowls", "silhouette re re re le le le rb lb nose mouth re le"),
     ],
 )
