@@ -273,7 +273,7 @@ def _row(step: Step) -> str:
     )
 
 
-def _report(measured: Sequence[Step], server: float) -> str:
+def _report(measured: Sequence[Step], server: float, load: float) -> str:
     first, last = measured[0], measured[-1]
     kernel = (last.proportional - first.proportional) / max(1, last.pupils - first.pupils)
     kernels, servers = last.proportional / 1024, last.pupils * server / 1024
@@ -284,7 +284,7 @@ def _report(measured: Sequence[Step], server: float) -> str:
         "through all modes, strokes at a hand's pace and sent while they are drawn, "
         f"{THINKING[0]:.0f} to {THINKING[1]:.0f} s to think between two edits.",
         f"Made by `python -m benchmarks.hub` on: {machine()}, {psutil.virtual_memory().total / _MB / 1024:.0f} GB,",
-        "where the clients that draw ran too.",
+        f"where the clients that draw ran too; before they began, {load:.0f} other processes wanted a processor.",
         "",
         "| pupils | MB of a kernel, resident | MB, its share | GB of all | stroke answered, median | within, 95 % "
         "| processor time of an edit | processors busy |",
@@ -304,8 +304,9 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--pupils", type=int, default=STEPS[-1])
     wanted = parser.parse_args().pupils
+    load = os.getloadavg()[0]
     measured = measure([step for step in STEPS if step < wanted] + [wanted])
-    TABLE.write_text(_report(measured, server_megabytes()))
+    TABLE.write_text(_report(measured, server_megabytes(), load))
     print(TABLE.read_text())
 
 
