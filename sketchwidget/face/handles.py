@@ -29,10 +29,6 @@ _OFF_MIDDLE = 1.0  # mm off the middle that make a way twice as long
 _DEPTH_KEPT = ("silhouette", "ear", "eye")  # lines, by a part of their name, that stay in depth when the profile moves
 _HANGING = 4.0  # mm from the lips within which the inside of the mouth goes with them
 _COVERING, _BLUR = 12, 5.0  # vertices of the skin in front, and mm by which their displacements are blurred
-_IRIS, _RIM_COVERING = (
-    0.6,
-    4,
-)  # of an eyeball's radius within which it is rigid; vertices of skin that its rim goes with
 _AT_A_LINE = 6.0  # mm from a line of the front view, within which that gives the profile its height
 
 
