@@ -318,6 +318,24 @@ def test_a_refused_stroke_keeps_the_drawing_and_the_gap(session, stroke):
     assert (session.sketch, session.gap, session.events) == before
 
 
+def looped(line):
+    """A line with a loop in its middle."""
+    even, turn = resample(line, 80).astype(float), np.linspace(0, 2 * np.pi, 40)
+    return np.concatenate([even[:40], even[40] + 0.012 * np.stack([np.cos(turn) - 1, np.sin(turn)], axis=1), even[40:]])
+
+
+def and_half_way_back(line):
+    return np.concatenate([line, line[: len(line) // 2 : -1]])
+
+
+@pytest.mark.parametrize("name", ["left_brow", "left_eye_upper", "mouth_upper", "nose", "left_ear"])
+@pytest.mark.parametrize("change", [looped, and_half_way_back])
+def test_a_stroke_that_crosses_itself_gives_a_sane_face(session, name, change):
+    before = session.face.vertices
+    redraw_line(session, name, change)
+    assert flipped(session) <= FLIPPED and np.abs(session.face.vertices - before).max() < 25
+
+
 @pytest.mark.parametrize(
     ("name", "shift", "over"),
     [("left_brow", 0.12, "left eye"), ("nose", 0.1, "mouth"), ("mouth_upper", 0.2, "silhouette")],
