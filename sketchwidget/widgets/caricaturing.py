@@ -11,6 +11,7 @@ from ipywidgets import HBox
 
 from ..caricature import CaricatureFit, exaggerate, fit
 from ..caricature.fitting import ITERATIONS
+from ..portrait.landmarks import OUTER_EYE_CORNERS
 from . import toolbar
 from .marking import Marked
 from .status import sentence
@@ -99,7 +100,7 @@ class Caricaturing(Tab):
                 self.look()
         self._renew(passing=not fitted.done)
         if fitted.done and self._active:
-            eyes = np.linalg.norm(fitted.fit.landmarks[36] - fitted.fit.landmarks[45])
+            eyes = np.linalg.norm(np.subtract(*fitted.fit.landmarks[list(OUTER_EYE_CORNERS)]))
             self._status.say(FITTED.format(100 * fitted.fit.rmse / eyes), self.expected)
 
     def _on_failure(self, error: Exception) -> None:
