@@ -47,7 +47,7 @@ def measure(repeat: int = 100) -> dict[str, Any]:
         "inference, one thread": _on_one_thread(lambda: regressor.infer(sketch), repeat),
         "session": _stroke(regressor, repeat),
         **_refinement(),
-        "deformation": _deformation(regressor, repeat),
+        **_deformation(regressor, repeat),
         "followup": _redrawing(regressor, repeat),
         **_caricature(regressor.model),
         "memory": int(subprocess.check_output([sys.executable, "-c", _MEMORY])) / 1024,
@@ -116,11 +116,16 @@ def _refinement() -> dict[str, float]:
     }
 
 
-def _deformation(regressor: sw.FaceRegressor, repeat: int) -> float:
-    """All lines of a head dragged elsewhere."""
+def _deformation(regressor: sw.FaceRegressor, repeat: int) -> dict[str, float]:
+    """All lines of a head dragged elsewhere; and a mouth drawn twice as wide, which would fold the skin about it."""
     model = regressor.model
-    targets = {name: 1.1 * model.mean[path, :2] for name, path in model.curves.items() if not name.startswith("lip")}
-    return _median(lambda: model.handles(model.mean, targets), repeat)
+    lines = {name: model.mean[path, :2] for name, path in model.curves.items() if not name.startswith("lip")}
+    larger = {name: 1.1 * line for name, line in lines.items()}
+    wide = lines | {name: line * [2.0, 1.0] for name, line in lines.items() if "mouth" in name}
+    return {
+        "deformation": _median(lambda: model.handles(model.mean, larger), repeat),
+        "unfolding": _median(lambda: model.handles(model.mean, wide), repeat),
+    }
 
 
 def _redrawing(regressor: sw.FaceRegressor, repeat: int) -> float:
