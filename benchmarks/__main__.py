@@ -25,7 +25,7 @@ def main() -> None:
         ("the same on one thread", f"{in_kernel['inference, one thread']:.1f} ms", "20 ms"),
         ("one stroke of a session, from points to head", f"{in_kernel['session']:.1f} ms"),
         ("deformation by all curve handles", f"{in_kernel['deformation']:.1f} ms", "8 ms"),
-        ("the same, unfolding a mouth drawn twice as wide", f"{in_kernel['unfolding']:.1f} ms", ""),
+        ("the same, unfolding a mouth drawn twice as wide", f"{in_kernel['unfolding']:.1f} ms"),
         ("a piece of a line redrawn in follow-up sketching", f"{in_kernel['followup']:.1f} ms"),
         ("a gesture told from the others", f"{in_kernel['classification']:.1f} ms", "5 ms"),
         ("deformation of a region by free handles, once factored", f"{in_kernel['region']:.1f} ms", "8 ms"),
