@@ -1,6 +1,6 @@
 """Heads from portraits: the paper's Tables 1 and 2 on rendered and on real ones, and what each stage takes.
 
-python -m benchmarks.avatar [--network FILE] [--pictures FOLDER]
+python -m benchmarks.avatar [--pictures FOLDER]
 
 The folder holds pictures (1.jpg) with landmarks (1.txt, 68 lines of x and y), to be measured too.
 """
@@ -20,6 +20,7 @@ from skimage import data
 from sketchwidget import FaceModel
 from sketchwidget.avatar import build
 from sketchwidget.avatar.build import person_about, squared
+from sketchwidget.avatar.coarse import WHOLE
 from sketchwidget.avatar.eyes import fit_eyeballs
 from sketchwidget.avatar.network import PortraitNetwork
 from sketchwidget.avatar.rig import Blend, RigBuilder
@@ -43,13 +44,12 @@ Figures = dict[str, dict[str, float]]
 def main() -> None:
     """Write `AVATAR.md` beside this file."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--network", type=Path, help="trained by `sketchwidget train portraits`")
     parser.add_argument("--pictures", type=Path, help="folder of pictures with landmarks")
     given = parser.parse_args()
     stages = _stages()  # first, so that nothing is loaded yet
     torch.set_num_threads(1)
     model, template = FaceModel.load(), AvatarTemplate.load()
-    methods = Methods(model, template, None if given.network is None else PortraitNetwork.load(given.network, model))
+    methods = Methods(model, template, PortraitNetwork.load(model))
     cases: dict[str, list[Case]] = {"portrait": [], "cartoon": []}
     for seed in range(FIRST, FIRST + HEADS):
         case = Case.of(render_portrait(model, template, seed))
@@ -111,8 +111,8 @@ def _heading() -> list[str]:
         "against the head before it was drawn; photometric: mean Manhattan distance of colours, 0 to 1 a channel, over",
         "the front of the face; seconds of one core. `coarse` optimises equation 3 from the mean face, `fine` goes on",
         "from there by equation 10 (Table 1); expression, or identity and expression, adjusted instead are the paper's",
-        f"Table 2. `short` is {SHORT[0]} steps with landmarks and {SHORT[1]} with colours, which begin where the",
-        "network of `sketchwidget train portraits` guesses, or at the mean face.",
+        "Table 2. `network alone` is the first guess of the shipped one; `network, then coarse` is what `build` does.",
+        f"`short` is {SHORT[0]} steps with landmarks and {SHORT[1]} with colours instead of {WHOLE[0]} and {WHOLE[1]}.",
         "",
     ]
 
@@ -133,9 +133,10 @@ def _on_real(cases: dict[str, list[Case]], kinds: dict[str, Figures], apart: lis
     lines = [
         "## Real portraits",
         "",
-        f"Pictures by kind: {counts}. The photograph is scikit-image's astronaut, its landmarks as the detector finds",
-        "them, as it is and as the cartoon that `build` works on; the caricatures are those of Alive Caricature that",
-        "`--pictures` names, with the landmarks that people set. Their shape nobody knows.",
+        f"Pictures by kind: {counts}.",
+        "The photograph is scikit-image's astronaut, its landmarks as the detector finds them, as it is and as the",
+        "cartoon that `build` works on; the caricatures are those of Alive Caricature that `--pictures` names, with",
+        "the landmarks that people set. Their shape nobody knows.",
         "",
         *_rows(kinds),
     ]

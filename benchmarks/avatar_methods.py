@@ -11,7 +11,7 @@ import torch
 
 from sketchwidget import FaceModel
 from sketchwidget.avatar.build import squared
-from sketchwidget.avatar.coarse import CoarseFit, CoarseFitter
+from sketchwidget.avatar.coarse import WHOLE, CoarseFit, CoarseFitter
 from sketchwidget.avatar.fine import FineFitter
 from sketchwidget.avatar.network import PortraitNetwork
 from sketchwidget.avatar.shading import shade, vertex_normals
@@ -77,11 +77,10 @@ class Methods:
     ----------
     model : FaceModel
     template : AvatarTemplate
-    network : PortraitNetwork, optional
-        Without it there are no rows of it.
+    network : PortraitNetwork
     """
 
-    def __init__(self, model: FaceModel, template: AvatarTemplate, network: PortraitNetwork | None) -> None:
+    def __init__(self, model: FaceModel, template: AvatarTemplate, network: PortraitNetwork) -> None:
         self._model, self._template, self._network = model, template, network
         self._coarse, self._fine = CoarseFitter(model, template), FineFitter(model)
         self._baker = TextureBaker(model, template, 512)
@@ -90,16 +89,15 @@ class Methods:
 
     def errors(self, case: Case) -> dict[str, dict[str, float]]:
         """Figures of each method by its name."""
-        points = case.marks.points
+        points, network = case.marks.points, self._network
         starts: dict[str, Callable[[], CoarseFit]] = {
             "coarse": lambda: self._coarse.fit(case.image, points, case.sure),
             "coarse, short": lambda: self._coarse.fit(case.image, points, case.sure, steps=SHORT),
+            "network alone": lambda: network.predict(case.image, self._coarse),
         }
-        if self._network is not None:
-            network = self._network
-            starts["network alone"] = lambda: network.predict(case.image, self._coarse)
-            starts["network, then coarse, short"] = lambda: self._coarse.fit(
-                case.image, points, case.sure, network.predict(case.image, self._coarse), SHORT
+        for name, steps in {"network, then coarse, short": SHORT, "network, then coarse": WHOLE}.items():
+            starts[name] = lambda steps=steps: self._coarse.fit(
+                case.image, points, case.sure, network.predict(case.image, self._coarse), steps
             )
         found = {}
         for name, start in starts.items():

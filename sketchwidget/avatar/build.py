@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import Any
+from typing import Any, Literal
 
 import cv2
 import numpy as np
@@ -54,18 +54,19 @@ class _Tools:
     fine: FineFitter
     rig: RigBuilder
     texture: TextureBaker
+    network: PortraitNetwork | None
 
     @classmethod
-    def of(cls, model: FaceModel) -> _Tools:
+    def of(cls, model: FaceModel, network: PortraitNetwork | None = None) -> _Tools:
         template = AvatarTemplate.load()
         rig = RigBuilder(model, template)  # it checks that the template is for the model
         coarse, fine = CoarseFitter(model, template), FineFitter(model)
-        return cls(model, template, coarse, fine, rig, TextureBaker(model, template, _TEXTURE_SIDE))
+        return cls(model, template, coarse, fine, rig, TextureBaker(model, template, _TEXTURE_SIDE), network)
 
 
 @lru_cache(maxsize=1)
 def _shipped() -> _Tools:
-    return _Tools.of(FaceModel.load())
+    return _Tools.of(model := FaceModel.load(), PortraitNetwork.load(model))
 
 
 def build(
@@ -76,7 +77,7 @@ def build(
     model: FaceModel | None = None,
     detector: FaceDetector | None = None,
     face: int | None = None,
-    network: PortraitNetwork | None = None,
+    network: PortraitNetwork | Literal[False] | None = None,
     report: Report | None = None,
 ) -> Avatar:
     """An animatable cartoon head from one portrait.
@@ -96,8 +97,9 @@ def build(
         MediaPipe's by default, whose models `sketchwidget models` fetches; nothing is downloaded here.
     face : int, optional
         Which one if there are several, counted from the left.
-    network : PortraitNetwork, optional
-        Gives the fit its first guess, as `sketchwidget train portraits` trains one; by default it is the mean face.
+    network : PortraitNetwork or False, optional
+        Gives the fit its first guess; the shipped one by default, or for another model one that `sketchwidget train
+        portraits` would train for it. False begins at the mean face, as other models do without.
     report : callable, optional
         Called as ``report(stage, milliseconds, result)`` after each stage: "landmarks" with (68, 2) pixels,
         "stylize" with the cartoon, "coarse" and "fine" with (V, 3) vertices as the picture shows them, "texture" with
@@ -133,7 +135,8 @@ def build(
     threads = torch.get_num_threads()
     torch.set_num_threads(1)  # small tensors: several threads wait for each other
     try:
-        return _built(picture, larger, marks, stylize, tools, network, clock)
+        network = tools.network if network is None else network
+        return _built(picture, larger, marks, stylize, tools, network or None, clock)
     finally:
         torch.set_num_threads(threads)
 

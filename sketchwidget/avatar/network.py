@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+from importlib.resources import files
 from itertools import pairwise
 from pathlib import Path
 
@@ -88,8 +89,8 @@ class PortraitNetwork(nn.Module):
             )
 
     @classmethod
-    def load(cls, path: str | os.PathLike[str], model: FaceModel) -> PortraitNetwork:
-        """Read a network for a face model.
+    def load(cls, model: FaceModel, path: str | os.PathLike[str] | None = None) -> PortraitNetwork:
+        """Read a network for a face model; without a path, the shipped one.
 
         Raises
         ------
@@ -98,7 +99,8 @@ class PortraitNetwork(nn.Module):
         ValueError
             If it is none, is damaged, or is for another face model.
         """
-        header, tensors = read(Path(path), "portrait network", FORMAT, "pt")
+        path = Path(str(files("sketchwidget") / "data" / "portrait.safetensors") if path is None else path)
+        header, tensors = read(path, "portrait network", FORMAT, "pt")
         if header.get("model") != model.fingerprint:
             raise ValueError(
                 f"{path} is for another face model; train one for yours with `sketchwidget train portraits`"

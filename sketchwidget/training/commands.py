@@ -39,7 +39,7 @@ def face(
 @train.command()
 def portraits(
     out: Annotated[Path, typer.Option(help="File to write.")],
-    steps: Annotated[int, typer.Option(min=2, help="Batches of 32 portraits.")] = 3_000,
+    steps: Annotated[int, typer.Option(min=2, help="Batches of 32 portraits.")] = 1_200,
     heads: Annotated[int, typer.Option(min=1, help="Portraits that are rendered; each is seen varied many times.")] = (
         4_000
     ),

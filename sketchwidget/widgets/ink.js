@@ -8,7 +8,8 @@
  *         it rubbed out or gave the head so far must go;
  *         {type: "stroke", stroke: id, tool, mirror} with one buffer: Float32 (n, 4) x, y, pressure, milliseconds.
  *         {type: "partial", stroke: id, mirror} with such a buffer: the pen's stroke so far. At most 15 a second, none before
- *         the last one was answered, and the longer that took, the fewer: a busy kernel never has a queue of them.
+ *         the last one was answered, and the longer that took, the fewer: a busy kernel never has a queue of them. Where the
+ *         pen rests, what was not sent yet follows.
  * Takes   {type: "followed", stroke: id}: the kernel has answered a partial stroke;
  *         {type: "dry", stroke: id}: the kernel has answered that stroke, and drawn what has become of it.
  * Class   "sketchwidget-drawing" on the pad's element while the pen is down.
@@ -27,6 +28,7 @@ const CANVAS_EVENTS = [
 const MOVED = "onpointerrawupdate" in window ? "pointerrawupdate" : "pointermove";
 const PARTIAL_EVERY = 1000 / 15; // milliseconds
 const REST = 3; // times what an answer takes: so long, at least, from one to the next, or the end of a stroke would wait
+const LONGEST_REST = 1000; // milliseconds: a kernel that was busy once is asked again
 const PEN_ERASER_BUTTON = 32; // PointerEvent.buttons of a stylus turned over
 
 const clamp = (value) => Math.min(1, Math.max(0, value));
@@ -105,13 +107,14 @@ async function render({ model, el }) {
   const page = Math.random().toString(36).slice(2);
   clip.id = `sketchwidget-covered-${page}`;
   let count = 0;
-  let stroke = null; // the one being drawn: {id, pointer, tool, mirror, points, drawn, start}
+  let stroke = null; // the one being drawn: {id, pointer, tool, mirror, points, drawn, sent, start}
   const waiting = new Map(); // id -> a stroke sent and not yet answered
   let frame = 0;
   let since = null;
   let asked = null; // the stroke of which a part waits for its answer
   let lastAsked = 0;
   let took = 0; // milliseconds that the last answer took
+  let later = 0; // the timer of what could not be sent yet
 
   function style(ctx, tool) {
     ctx.lineCap = ctx.lineJoin = "round";
@@ -177,14 +180,21 @@ async function render({ model, el }) {
     });
   }
 
-  /** Sends the stroke so far, if that is wanted and the kernel has time for it. */
+  /** Sends the stroke so far, if that is wanted, as soon as the kernel has time for it. */
   function ask() {
-    const now = performance.now();
-    if (!model.get("live") || asked !== null || stroke.tool !== 0 || now - lastAsked < Math.max(PARTIAL_EVERY, REST * took)) return;
+    clearTimeout(later);
+    if (!model.get("live") || asked !== null || stroke?.tool !== 0 || stroke.points.length === stroke.sent) return;
+    const rest = Math.max(PARTIAL_EVERY, Math.min(REST * took, LONGEST_REST));
+    const wait = lastAsked + rest - performance.now();
+    if (wait > 0) {
+      later = setTimeout(ask, wait);
+      return;
+    }
     const points = onPad(stroke.points);
     if (points.length < 2) return;
     asked = stroke.id;
-    lastAsked = now;
+    lastAsked = performance.now();
+    stroke.sent = stroke.points.length;
     model.send({ type: "partial", stroke: stroke.id, mirror: stroke.mirror }, undefined, [Float32Array.from(points.flat()).buffer]);
   }
 
@@ -220,6 +230,7 @@ async function render({ model, el }) {
       mirror: model.get("mirror"),
       points: [],
       drawn: 0,
+      sent: 0,
       start: event.timeStamp,
     };
     add(event);
@@ -262,6 +273,7 @@ async function render({ model, el }) {
     else if (message.stroke === asked) {
       asked = null;
       took = performance.now() - lastAsked;
+      ask();
     }
   }
 
@@ -314,6 +326,7 @@ async function render({ model, el }) {
   model.send({ type: "ready" });
 
   return () => {
+    clearTimeout(later);
     sizes.disconnect();
     window.removeEventListener("resize", fit);
     model.off("msg:custom", answer);

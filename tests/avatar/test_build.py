@@ -100,3 +100,25 @@ def test_a_profile_a_small_face_and_wrong_landmarks_are_told(portrait):
         build(image, landmarks[:5])
     with pytest.raises(ValueError, match="20 x 20"):
         build(image[:20, :20], landmarks)
+
+
+def test_the_shipped_network_begins_the_fit_and_can_be_left_out(portrait, avatar, model):
+    """Its first guess is a head of the model, nearer to the one that is seen than the mean face is."""
+    from sketchwidget.avatar.coarse import CoarseFitter
+    from sketchwidget.avatar.network import PortraitNetwork
+    from sketchwidget.avatar.template import AvatarTemplate
+    from sketchwidget.geometry.alignment import similarity
+
+    guess = PortraitNetwork.load(model).predict(avatar.stages["portrait"], CoarseFitter(model, AvatarTemplate.load()))
+    true = portrait[2].vertices
+    front = np.flatnonzero((true[:, 2] > 30) & (model.template.fine_parts == 0))
+
+    def off(vertices):
+        scale, rotation, shift = similarity(vertices[front], true[front])
+        return np.linalg.norm(scale * vertices[front] @ rotation.T + shift - true[front], axis=1).mean()
+
+    assert off(model.template.subdivision @ guess.vertices) < 0.8 * off(model.mean.astype(float))
+    image, landmarks, _ = portrait
+    without = build(image, landmarks, network=False)
+    assert not np.array_equal(without.face.vertices, avatar.face.vertices)
+    assert np.linalg.norm(without.face.vertices - avatar.face.vertices, axis=1).mean() < 3

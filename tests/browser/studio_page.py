@@ -111,6 +111,11 @@ class StudioPage:
         x, y = map(float, pixel)
         return box["x"] + (x - left) / side * box["width"], box["y"] + (y - top) / side * box["height"]
 
+    def takes_clicks_at(self, pixel: Iterable[float]) -> bool:
+        """Move the mouse to a pixel of the picture; whether a click there would begin a face."""
+        self.page.mouse.move(*self.on_picture(pixel))
+        return "sketchwidget-clickable" in (self.picture.get_attribute("class") or "")
+
     def touch_head(self, points: Iterable[Iterable[float]]) -> None:
         """Draw with a finger over the head, by touches of the browser's own."""
         places = self._on_head(points)

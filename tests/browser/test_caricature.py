@@ -73,6 +73,8 @@ def begin(studio: StudioPage, drawn: tuple[bytes, np.ndarray]) -> None:
     data, landmarks = drawn
     studio.open_picture("someone.png", data)
     until(lambda: studio.message, lambda said: said.startswith("someone.png is open"), "the word of the picture")
+    until(lambda: studio.takes_clicks_at(landmarks[36]), what="a picture that takes clicks")
+    until(lambda: len(studio.marks()), lambda marks: marks == 0, "a picture without marks")
     for count, number in enumerate((36, 45, CHIN), start=1):
         studio.page.mouse.click(*studio.on_picture(landmarks[number]))
         until(lambda: len(studio.marks()), lambda marks, count=count: marks >= count, "the mark of the click")

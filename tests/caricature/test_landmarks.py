@@ -73,7 +73,7 @@ def test_weights_are_checked(landmarks):
 
 
 def test_settings_are_checked(landmarks):
-    with pytest.raises(ValueError, match="one iteration and a positive pull; given 0"):
+    with pytest.raises(ValueError, match="at least one; given 0"):
         fit(landmarks, iterations=0)
     with pytest.raises(ValueError, match="positive pull"):
         fit(landmarks, pull=-1.0)

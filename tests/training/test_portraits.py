@@ -110,7 +110,7 @@ def test_the_command_writes_what_is_read_back(model, tmp_path):
         main, ["train", "portraits", "--tiny", "--out", str(path), "--work", str(tmp_path / "work")]
     )
     assert result.exit_code == 0, result.output
-    network = PortraitNetwork.load(path, model)
+    network = PortraitNetwork.load(model, path)
     assert network.channels == (8, 8, 16)
     with pytest.raises(ValueError, match="its format"):
-        PortraitNetwork.load(Path(sketchwidget.__file__).parent / "data" / "avatar.safetensors", model)
+        PortraitNetwork.load(model, Path(sketchwidget.__file__).parent / "data" / "avatar.safetensors")
