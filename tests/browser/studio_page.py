@@ -160,13 +160,13 @@ class StudioPage:
         return "mod-active" in (found.get_attribute("class") or "")
 
     def start_afresh(self) -> None:
-        """An empty pad, the pen, the front view, no toggles: whatever a test before this one left."""
+        """An empty pad, the pen, the front view, the toggles as at first: whatever a test before this one left."""
         self.page.bring_to_front()  # downloads go to the page that the user looks at
         self.page.keyboard.up("Control")
-        for name in ("mirror", "ghost"):
-            if self.is_on(name):
+        for name, first in {"mirror": False, "ghost": False, "live": True}.items():
+            if self.is_on(name) != first:
                 self.click(name)
-                until(lambda name=name: not self.is_on(name))
+                until(lambda name=name, first=first: self.is_on(name) == first)
         self.press("p")
         self.press("1")
         self.press("i")
