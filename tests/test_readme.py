@@ -10,6 +10,7 @@ from skimage import data
 
 from sketchwidget.portrait.models import missing
 from sketchwidget.session import behaviours
+from sketchwidget.widgets.commands import COMMANDS
 
 README = (Path(__file__).parents[1] / "README.md").read_text(encoding="utf-8")
 ELSEWHERE = ("ict-faces", "tcp://scheduler")  # what takes a clone of ICT-FaceKit, or a cluster
@@ -42,3 +43,11 @@ def test_the_code_of_a_chapter_runs(chapter, elsewhere):
 
 def test_there_is_code_for_every_part_of_the_toolkit():
     assert len(CHAPTERS) >= 4 and all(CHAPTERS.values())
+
+
+def test_every_key_of_the_studio_is_told():
+    table = README[README.index("| tabs |") : README.index("| pictures |") + 300]
+    of_the_collectors = {"keep", "skip"}
+    for command in COMMANDS.values():
+        key = command.tooltip.rpartition("(")[2].rstrip(")")
+        assert command.name in of_the_collectors or f"`{key}`" in table, command
