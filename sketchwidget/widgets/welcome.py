@@ -35,8 +35,8 @@ class Welcome(Box):
         self.add_class("sketchwidget-welcome")
 
     def show(self, wanted: bool) -> None:
-        """Show them, or not; their place stays theirs."""
-        self.layout.visibility = "visible" if wanted else "hidden"
+        """Show them, or not."""
+        self.layout.display = None if wanted else "none"
 
 
 def example(name: str) -> str:

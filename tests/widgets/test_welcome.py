@@ -21,13 +21,13 @@ def test_an_example_is_a_whole_face(name):
 def test_an_empty_studio_offers_drawings_and_one_click_loads_one():
     studio = Studio()
     _, *buttons = studio._welcome.children
-    assert studio._welcome.layout.visibility == "visible" and len(buttons) == len(EXAMPLES) == 3
+    assert studio._welcome.layout.display is None and len(buttons) == len(EXAMPLES) == 3
     buttons[0].click()
-    assert len(studio.session.sketch) and studio._welcome.layout.visibility == "hidden"
+    assert len(studio.session.sketch) and studio._welcome.layout.display == "none"
     assert studio._status.message.startswith("A laugh is loaded; undo brings the former drawing back.")
     assert "F edits the head's own lines." in studio._status.message
     studio._on_undo()
-    assert not len(studio.session.sketch) and studio._welcome.layout.visibility == "visible"
+    assert not len(studio.session.sketch) and studio._welcome.layout.display is None
 
 
 def test_each_mode_names_the_next_until_it_was_there():
