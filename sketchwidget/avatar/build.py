@@ -35,7 +35,7 @@ from .template import AvatarTemplate
 from .texture import TextureBaker
 
 Transform = Callable[[np.ndarray], np.ndarray]
-Report = Callable[[str, float, "np.ndarray | None"], None]
+Report = Callable[[str, float, np.ndarray], None]
 
 _SIDE = 512  # pixels of the square about the face that is worked on
 _TEXTURE_SIDE = 1024
@@ -102,8 +102,9 @@ def build(
         portraits` would train for it. False begins at the mean face, as other models do without.
     report : callable, optional
         Called as ``report(stage, milliseconds, result)`` after each stage: "landmarks" with (68, 2) pixels,
-        "stylize" with the cartoon, "coarse" and "fine" with (V, 3) vertices as the picture shows them, "texture" with
-        the texture; "mask" and "rig" with None.
+        "stylize" with the cartoon, "mask" with how sure each of its pixels is of the person, from 0 to 1, "coarse" and
+        "fine" with (V, 3) vertices as the picture shows them, "rig" with those of the head at rest, "texture" with the
+        texture.
 
     Returns
     -------
@@ -163,7 +164,7 @@ def _built(
         clock.tell(square)
     with clock("mask"):
         person = person_about(square, marks)
-    clock.tell()
+    clock.tell(person)
     refine = tools.model.template.subdivision
     with clock("coarse"):
         oval = face_oval(marks.points, square.shape[:2])
@@ -177,7 +178,8 @@ def _built(
     clock.tell(refine @ posed)
     with clock("rig"):
         rig, eyes = tools.rig(neutral, fit_eyeballs(tools.model, refine @ neutral, refine @ rest))
-    clock.tell()
+        resting = _with_eyes(refine @ neutral, eyes)
+    clock.tell(resting)
     with clock("texture"):
         aligned = refine @ posed
         shown = _with_eyes(aligned, fit_eyeballs(tools.model, aligned, refine @ fit.vertices))
@@ -190,7 +192,7 @@ def _built(
     scale = float(unit[0] - origin[0])
     camera = Camera(fit.camera.rotation, fit.camera.scale * scale, fit.camera.translation * scale + origin)
     return Avatar(
-        face=Face(tools.model, _with_eyes(refine @ neutral, eyes)),
+        face=Face(tools.model, resting),
         portrait=Face(tools.model, shown),
         texture=texture,
         uv=tools.texture.uv,
@@ -293,7 +295,7 @@ class _Clock:
         self.milliseconds: dict[str, float] = {}
         self._report = report
 
-    def tell(self, result: np.ndarray | None = None) -> None:
+    def tell(self, result: np.ndarray) -> None:
         """Report what came of the last stage."""
         if self._report is not None:
             name, spent = list(self.milliseconds.items())[-1]

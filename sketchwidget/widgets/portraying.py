@@ -34,6 +34,7 @@ STAGES = {
 }
 
 _SIDE = 96  # pixels of a stage's picture
+_ACCENT = (13, 131, 119)
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,7 +43,7 @@ class _Stage:
 
     name: str
     milliseconds: float
-    picture: np.ndarray | None
+    picture: np.ndarray
     face: Face | None
 
 
@@ -112,7 +113,7 @@ class Portraying(Tab):
         def job(report: Report) -> _Built:
             from ..avatar import build
 
-            def tell(name: str, milliseconds: float, result: np.ndarray | None) -> None:
+            def tell(name: str, milliseconds: float, result: np.ndarray) -> None:
                 report(_seen(name, milliseconds, result, picture, model))
 
             shipped = model is FaceModel.load()
@@ -163,16 +164,26 @@ class Portraying(Tab):
         self._status.fail(f"There is no head of this picture: {sentence(error)}")
 
 
-def _seen(name: str, milliseconds: float, result: np.ndarray | None, picture: np.ndarray, model: FaceModel) -> _Stage:
+def _seen(name: str, milliseconds: float, result: np.ndarray, picture: np.ndarray, model: FaceModel) -> _Stage:
     """A stage as it is shown."""
-    if result is None:
-        return _Stage(name, milliseconds, None, None)
+    if name in ("coarse", "fine", "rig"):
+        face = Face(model, result.astype(np.float32))
+        return _Stage(name, milliseconds, _cut_out(face.picture(size=_SIDE)), face)
     if name == "landmarks":
         return _Stage(name, milliseconds, _dotted(picture, result), None)
-    if name in ("coarse", "fine"):
-        face = Face(model, result.astype(np.float32))
-        return _Stage(name, milliseconds, face.picture(size=_SIDE), face)
-    return _Stage(name, milliseconds, cv2.resize(result, (_SIDE, _SIDE), interpolation=cv2.INTER_AREA), None)
+    small = cv2.resize(result, (_SIDE, _SIDE), interpolation=cv2.INTER_AREA)
+    return _Stage(name, milliseconds, _silhouette(small) if name == "mask" else small, None)
+
+
+def _cut_out(drawn: np.ndarray) -> np.ndarray:
+    """A head (n, n, 3) that was drawn on white, on no ground at all: (n, n, 4)."""
+    return np.dstack([drawn, np.where((drawn == 255).all(axis=2), 0, 255).astype(np.uint8)])
+
+
+def _silhouette(mask: np.ndarray) -> np.ndarray:
+    """A mask (n, n) between 0 and 1 in the accent colour, on no ground: (n, n, 4)."""
+    plain = np.broadcast_to(np.array(_ACCENT, dtype=np.uint8), (*mask.shape, 3))
+    return np.dstack([plain, np.rint(255 * mask).astype(np.uint8)])
 
 
 def _dotted(picture: np.ndarray, points: np.ndarray) -> np.ndarray:
@@ -183,13 +194,12 @@ def _dotted(picture: np.ndarray, points: np.ndarray) -> np.ndarray:
     matrix = np.array([[scale, 0, -corner[0] * scale], [0, scale, -corner[1] * scale]])
     part = cv2.warpAffine(picture, matrix, (_SIDE, _SIDE), flags=cv2.INTER_AREA, borderMode=cv2.BORDER_REPLICATE)
     for x, y in np.rint((points - corner) * scale).astype(int).tolist():
-        cv2.circle(part, (x, y), 1, (13, 131, 119), -1)
+        cv2.circle(part, (x, y), 1, _ACCENT, -1)
     return part
 
 
 def _figure(stage: _Stage) -> str:
-    shown = ""
-    if stage.picture is not None:
-        encoded = cv2.imencode(".jpg", cv2.cvtColor(stage.picture, cv2.COLOR_RGB2BGR))[1].tobytes()
-        shown = f'<img alt="" src="data:image/jpeg;base64,{base64.b64encode(encoded).decode()}">'
+    order = cv2.COLOR_RGBA2BGRA if stage.picture.shape[2] == 4 else cv2.COLOR_RGB2BGR
+    encoded = base64.b64encode(cv2.imencode(".png", cv2.cvtColor(stage.picture, order))[1].tobytes()).decode()
+    shown = f'<img alt="" src="data:image/png;base64,{encoded}">'
     return f"<figure>{shown}<figcaption>{STAGES[stage.name]} {stage.milliseconds:.0f} ms</figcaption></figure>"

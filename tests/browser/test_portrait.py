@@ -91,6 +91,7 @@ def test_stages_are_shown_with_their_times(built) -> None:
         "landmarks", "cartoon", "mask", "coarse", "fine", "rig", "texture"
     ]  # fmt: skip
     assert all(text.endswith(" ms") for text in captions)
+    assert built.root.locator(".sketchwidget-stages figure > img + figcaption").count() == len(captions)
 
 
 def test_a_slider_opens_the_jaw_on_the_page(built, model) -> None:
