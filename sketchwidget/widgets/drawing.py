@@ -18,7 +18,7 @@ from .pad import Pad
 from .status import Status, expected_next, said
 from .welcome import beyond
 
-FRONT, SIDES = "front", ("left", "right")
+FRONT, SIDES = "front", {"left": "right", "right": "left"}
 
 
 class Drawing:
@@ -132,7 +132,8 @@ class Drawing:
         if self._side != FRONT:
             return "The profile follows."
         if gap is not None:
-            return f"The {said(gap.name)} is drawn anew."
+            other = SIDES.get(gap.name.partition("_")[0]) if mirror else None
+            return f"The {said(gap.name)} is drawn anew{f', and the {other} one with it' if other else ''}."
         return "Both strokes drawn." if mirror else "Stroke drawn."
 
     def _on_partial(self, points: np.ndarray, mirror: bool) -> None:

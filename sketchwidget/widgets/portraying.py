@@ -202,4 +202,4 @@ def _figure(stage: _Stage) -> str:
     order = cv2.COLOR_RGBA2BGRA if stage.picture.shape[2] == 4 else cv2.COLOR_RGB2BGR
     encoded = base64.b64encode(cv2.imencode(".png", cv2.cvtColor(stage.picture, order))[1].tobytes()).decode()
     shown = f'<img alt="" src="data:image/png;base64,{encoded}">'
-    return f"<figure>{shown}<figcaption>{STAGES[stage.name]} {stage.milliseconds:.0f} ms</figcaption></figure>"
+    return f"<figure>{shown}<figcaption>{STAGES[stage.name]}<br>{stage.milliseconds:.0f} ms</figcaption></figure>"

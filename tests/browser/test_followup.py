@@ -102,7 +102,8 @@ def test_a_mirrored_stroke_draws_both_brows(studio, model, lines) -> None:
     until(lambda: studio.is_on("mirror"), what="the toggle")
     whole = np.concatenate(lines["left_brow"]) - [0, 0.03]
     studio.draw(whole)
-    until(lambda: studio.message, lambda said: said.startswith("The left brow is drawn anew"), "the word of the stroke")
+    anew = "The left brow is drawn anew, and the right one with it."
+    until(lambda: studio.message, lambda said: said.startswith(anew), "the word of the stroke")
     rises = until(
         lambda: [(studio.positions() - before)[brow, 1] for brow in brows],
         lambda rises: min(rise.min() for rise in rises) > 5,
