@@ -75,5 +75,5 @@ def test_weights_are_checked(landmarks):
 def test_settings_are_checked(landmarks):
     with pytest.raises(ValueError, match="at least one; given 0"):
         fit(landmarks, iterations=0)
-    with pytest.raises(ValueError, match="positive number; given -1.0"):
+    with pytest.raises(ValueError, match=r"positive number; given -1"):
         fit(landmarks, pull=-1.0)

@@ -1,5 +1,6 @@
 """The Portrait tab without a page: heads are built at once, by a builder that answers at once."""
 
+import re
 from types import SimpleNamespace
 
 import cv2
@@ -66,9 +67,8 @@ def tab(studio, built):
 def test_landmarks_give_a_textured_head_stage_by_stage(tab, someone):
     portraying = tab._tabs["portrait"]
     assert tab._head._face is someone and tab._head._skin is portraying.skin
-    assert [part.split(" ms<")[0].split(">")[-1] for part in portraying._figures] == [
-        "landmarks 1", "coarse 20", "texture 5"
-    ]  # fmt: skip
+    captions = [re.search(r"<figcaption>(.*)</figcaption>", figure)[1] for figure in portraying._figures]
+    assert captions == ["landmarks<br>1 ms", "coarse<br>20 ms", "texture<br>5 ms"]
     assert tab._status.message.startswith("The head is built in 0.0 s")
 
 
