@@ -2,7 +2,8 @@
 
 A command imports what it runs when it runs, so that `sketchwidget --help` answers at once. A group of commands is a
 `typer.Typer` of its own, imported here and added by `main.add_typer(group, name=...)`; its module must be as light.
-What a user can mend ends in `fail`: a ValueError or OSError of any command, or a package that is missing.
+What a user can mend ends in `fail`: a ValueError or OSError of any command, or a package that is missing. Commands that
+are stopped say whether they go on from there.
 """
 
 from __future__ import annotations
@@ -25,11 +26,18 @@ from sketchwidget.database.commands import database, drawings
 from sketchwidget.training.commands import evaluate, train
 
 
+_RESUMABLE = ("database", "train")
+
+
 class _Commands(TyperGroup):
     def invoke(self, ctx: Any) -> Any:
         """Run a command; what a user can mend ends in a message and a non-zero status."""
         try:
             return super().invoke(ctx)
+        except KeyboardInterrupt:
+            resumable = ctx.invoked_subcommand in _RESUMABLE
+            typer.echo(f"sketchwidget: stopped{'; the same command goes on from here' if resumable else ''}", err=True)
+            raise typer.Exit(130) from None
         except ModuleNotFoundError as error:
             fail(f"{error.name} is missing: pip install 'sketchwidget[database]'")
         except (OSError, ValueError) as error:

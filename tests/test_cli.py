@@ -71,6 +71,16 @@ def test_bad_use_ends_with_a_message(arguments, complaint):
     assert "Traceback" not in result.stderr
 
 
+def test_a_build_that_is_stopped_says_that_it_goes_on(monkeypatch, tmp_path):
+    def interrupted(*_):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("sketchwidget.database.build.build", interrupted)
+    result = run("database", "--preset", "tiny", "--out", str(tmp_path / "faces"))
+    assert result.exit_code == 130
+    assert result.stderr == "sketchwidget: stopped; the same command goes on from here\n"
+
+
 def test_port_in_use_ends_with_a_message():
     with socket.create_server(("127.0.0.1", 0)) as taken:
         number = taken.getsockname()[1]
