@@ -25,7 +25,6 @@ from sketchwidget import __version__
 from sketchwidget.database.commands import database, drawings
 from sketchwidget.training.commands import evaluate, train
 
-
 _RESUMABLE = ("database", "train")
 
 
