@@ -202,16 +202,24 @@ def _residual(layout: Layout) -> tuple[nn.Sequential, int]:
     return nn.Sequential(*stages), layout.bottleneck * grid**2
 
 
+class LocalResponseNorm(nn.LocalResponseNorm):
+    """The same for numbers of any precision: PyTorch has it for 32 bits alone."""
+
+    def forward(self, features: Tensor) -> Tensor:
+        """Features of the same shape and precision."""
+        return super().forward(features.float()).to(features.dtype)
+
+
 def _alexnet(_: Layout) -> tuple[nn.Sequential, int]:
     """The convolutions of Krizhevsky et al. 2012, for one channel, and how many features they give."""
     layers = nn.Sequential(
         nn.Conv2d(1, 96, 11, stride=4, padding=2),
         nn.ReLU(inplace=True),
-        nn.LocalResponseNorm(5, alpha=1e-4, beta=0.75, k=2.0),
+        LocalResponseNorm(5, alpha=1e-4, beta=0.75, k=2.0),
         nn.MaxPool2d(3, stride=2),
         nn.Conv2d(96, 256, 5, padding=2, groups=2),
         nn.ReLU(inplace=True),
-        nn.LocalResponseNorm(5, alpha=1e-4, beta=0.75, k=2.0),
+        LocalResponseNorm(5, alpha=1e-4, beta=0.75, k=2.0),
         nn.MaxPool2d(3, stride=2),
         nn.Conv2d(256, 384, 3, padding=1),
         nn.ReLU(inplace=True),

@@ -43,8 +43,10 @@ def linear(layers):
         ("AlexNet", 2),
     ],
 )
-def test_every_variant_gives_weights_of_identity_and_expression(name, answers, batch):
-    given = PixelShapeCNN(*SIZES, small(name)).eval()(*batch)
+@pytest.mark.parametrize("precision", [torch.float32, torch.bfloat16])
+def test_every_variant_gives_weights_of_identity_and_expression(name, answers, precision, batch):
+    network = PixelShapeCNN(*SIZES, small(name)).eval().to(precision)
+    given = network(*(inputs.to(precision) for inputs in batch))
     assert len(given) == answers
     for identity, expression in given:
         assert identity.shape == (2, SIZES[0]) and expression.shape == (2, SIZES[1])
