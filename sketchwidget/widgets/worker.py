@@ -46,7 +46,7 @@ class Worker(Generic[T]):
             self._next = None
             self._answer(job)
             return
-        if self._working is None:
+        if self._working is None or self._working.done():
             self._working = loop.create_task(self._work(loop))
 
     def drop(self) -> None:
@@ -70,7 +70,6 @@ class Worker(Generic[T]):
             except Exception as error:
                 if self._counts is job:
                     self._failed(error)
-        self._working = None
 
     def _answer(self, job: Callable[[Report], T]) -> None:
         try:
