@@ -120,17 +120,21 @@ def test_eyeballs_turn_whole(built, model) -> None:
 
 
 def test_a_performance_plays_and_ends_at_rest(built, model) -> None:
-    # Followed on the page, frame by frame: a look from here may come after all is over.
+    # Followed on the page, frame by frame: a look from here may come after all is over. Of few frames none may show the
+    # jaw far open; then it is played again.
     before, lowest, after = built.head.element_handle().evaluate(
         """async (head, vertex) => {
             const height = () => head.sketchwidget.geometry.getAttribute('position').array[3 * vertex + 1];
-            const before = height(), ends = performance.now() + 60000;
+            const before = height();
             let lowest = before;
-            head.closest('.sketchwidget-studio').querySelector('[data-performance="speak"]').click();
-            do {
-                await new Promise(requestAnimationFrame);
-                lowest = Math.min(lowest, height());
-            } while (performance.now() < ends && (lowest > before - 2 || Math.abs(height() - before) > 0.01));
+            for (let tries = 0; tries < 5 && lowest > before - 2; tries += 1) {
+                head.closest('.sketchwidget-studio').querySelector('[data-performance="speak"]').click();
+                const ends = performance.now() + 15000;
+                do {
+                    await new Promise(requestAnimationFrame);
+                    lowest = Math.min(lowest, height());
+                } while (performance.now() < ends && (lowest > before - 2 || Math.abs(height() - before) > 0.01));
+            }
             return [before, lowest, height()];
         }""",
         int(model.landmarks[CHIN]),
