@@ -15,6 +15,7 @@ from PIL import Image
 from safetensors.numpy import save
 
 import sketchwidget
+from sketchwidget.avatar.network import PortraitNetwork
 from sketchwidget.avatar.stylegan import load_generator
 from sketchwidget.avatar.template import AvatarTemplate
 from sketchwidget.database.drawings import read_drawings
@@ -93,6 +94,11 @@ READERS = {
     "classifier": ("c.safetensors", shipped("gestures"), GestureClassifier.load),
     "model": ("m.safetensors", shipped("face"), FaceModel.load),
     "network": ("n.safetensors", shipped("pixelshapecnn"), read_network),
+    "portraits' network": (
+        "p.safetensors",
+        shipped("portrait"),
+        lambda path: PortraitNetwork.load(FaceModel.load(), path),
+    ),
     "avatars' template": ("a.safetensors", shipped("avatar"), AvatarTemplate.load),
 }
 
