@@ -43,10 +43,13 @@ def portraits(
     heads: Annotated[int, typer.Option(min=1, help="Portraits that are rendered; each is seen varied many times.")] = (
         4_000
     ),
+    model: Annotated[Path | None, typer.Option(help="Face model of a database of your own; else the shipped one.")] = (
+        None
+    ),
     work: Work = Path("runs"),
     tiny: Annotated[bool, typer.Option("--tiny", help="A few small steps, in seconds, to see it run.")] = False,
 ) -> None:
-    """Train the network that gives avatars a first guess, on rendered portraits of the shipped face model.
+    """Train the network that gives avatars a first guess, on rendered portraits of a face model.
 
     Portraits and checkpoints are kept in `work`: started again, the training goes on.
     """
@@ -59,21 +62,22 @@ def portraits(
     from .portrait_set import PortraitSet
 
     _require_folder(out)
-    model, template = FaceModel.load(), AvatarTemplate.load()
-    fitter = CoarseFitter(model, template)
+    faces, template = FaceModel.load(model), AvatarTemplate.load()
+    template.check(faces)
+    fitter = CoarseFitter(faces, template)
     heads = 8 if tiny else heads
-    rendered = work / f"portraits-{heads}-{model.fingerprint[:8]}"
+    rendered = work / f"portraits-{heads}-{faces.fingerprint[:8]}"
     if not rendered.exists():
-        PortraitSet.rendered(model, template, fitter, heads).save(rendered)
+        PortraitSet.rendered(faces, template, fitter, heads).save(rendered)
     network, (_, landmarks, shape) = train_portrait_network(
         PortraitSet.load(rendered),
         fitter,
         Schedule(4, 2, checkpoint=2) if tiny else Schedule(steps, checkpoint=200, warming=100, averaging=0.995),
-        work / f"portrait-network-{heads}-{model.fingerprint[:8]}",
+        work / f"portrait-network-{heads}-{faces.fingerprint[:8]}",
         (8, 8, 16) if tiny else None,
-        model.fingerprint,
+        faces.fingerprint,
     )
-    network.save(out, model, provenance(_command(), ("numpy", "scipy", "torch")) | {"licence": licence("anny")})
+    network.save(out, faces, provenance(_command(), ("numpy", "scipy", "torch")) | {"licence": licence("anny")})
     typer.echo(
         f"{out}: {out.stat().st_size / 1e6:.1f} MB; landmarks of the last portraits were {landmarks:.1f} pixels of 224"
         f" off, and their shape {shape:.1f} mm"

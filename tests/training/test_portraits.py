@@ -104,13 +104,15 @@ def test_of_several_pictures_the_loss_is_the_sum(portraits, fitter):
     assert together.item() == pytest.approx(total.item(), rel=1e-4)
 
 
-def test_the_command_writes_what_is_read_back(model, tmp_path):
-    path = tmp_path / "portraits.safetensors"
+def test_the_command_writes_what_is_read_back(model, small_folder, tmp_path):
+    path, own = tmp_path / "portraits.safetensors", small_folder / "face.safetensors"
     result = CliRunner().invoke(
-        main, ["train", "portraits", "--tiny", "--out", str(path), "--work", str(tmp_path / "work")]
+        main,
+        ["train", "portraits", "--tiny", "--model", str(own), "--out", str(path), "--work", str(tmp_path / "work")],
     )
     assert result.exit_code == 0, result.output
-    network = PortraitNetwork.load(model, path)
-    assert network.channels == (8, 8, 16)
+    assert PortraitNetwork.load(sketchwidget.FaceModel.load(own), path).channels == (8, 8, 16)
+    with pytest.raises(ValueError, match="another face model"):
+        PortraitNetwork.load(model, path)
     with pytest.raises(ValueError, match="its format"):
         PortraitNetwork.load(model, Path(sketchwidget.__file__).parent / "data" / "avatar.safetensors")
