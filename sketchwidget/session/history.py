@@ -30,6 +30,7 @@ class History:
         self._modeller = modeller
         self._done: list[Event] = []
         self._undone: list[Event] = []
+        self._set_aside: tuple[State, list[Event]] = State(), []  # a state that was exaggerated, and what was undone
         self._begins = 0  # the edits that are never taken back
         self._states = deque([State()], maxlen=KEPT_STATES + 1)
 
@@ -73,14 +74,16 @@ class History:
         state = apply(self.state, event, self._modeller)
         if state is self.state:
             return False
-        if isinstance(event, Exaggerate) and self.state.exaggeration is not None:
-            # One after the other is one step, and back at 1 none.
-            self._take_back()
-            if event.amount == 1.0:
-                self._undone.clear()
-                return True
+        if isinstance(event, Exaggerate):
+            if self.state.exaggeration is None:
+                self._set_aside = (self.state, self._undone)
+            else:  # One after the other is one step, and back at 1 none.
+                self._take_back()
+                if event.amount == 1.0:
+                    self._undone = self._undone_before()
+                    return True
         self._done.append(event)
-        self._undone.clear()
+        self._undone = []
         self._states.append(state)
         return True
 
@@ -89,6 +92,11 @@ class History:
         if not isinstance(event, Gesture):
             return event
         return {LEFT_ARROW: Undo(), RIGHT_ARROW: Redo()}.get(event.name or "", event)
+
+    def _undone_before(self) -> list[Event]:
+        """What could be redone before the head of the present state was exaggerated."""
+        state, undone = self._set_aside
+        return undone if state is self.state else []
 
     def _undo(self) -> bool:
         if not self.can_undo:

@@ -263,6 +263,31 @@ def test_what_is_done_after_it_starts_from_one(session, someone):
     assert away(session.face, edited) == 0
 
 
+def test_exaggerating_and_back_keeps_what_can_be_redone(session, someone):
+    session.take_over(someone)
+    session.draw([(0.4, 0.2), (0.6, 0.2)])
+    session.draw([(0.4, 0.25), (0.6, 0.25)])
+    drawn = snapshot(session)
+    session.undo()
+    session.exaggerate(1.5)
+    assert not session.can_redo
+    session.exaggerate(1)
+    assert session.can_redo and session.redo() and snapshot(session) == drawn
+    assert snapshot(sw.Session.loads(session.dumps(), session.regressor)) == drawn
+    # What was undone elsewhere does not come back here: the first stroke is taken away as well.
+    session.undo()
+    session.undo()
+    session.exaggerate(1.5)
+    session.draw([(0.4, 0.2), (0.6, 0.2)])
+    session.draw([(0.4, 0.25), (0.6, 0.25)])
+    session.undo()
+    session.exaggerate(2)
+    session.undo()
+    session.undo()
+    session.exaggerate(1)
+    assert not session.can_redo and session.exaggeration == 1
+
+
 def test_an_erased_line_is_back_before_the_head_is_exaggerated(session, someone):
     session.take_over(someone)
     shown, piece = session.face, session.sketch.lines["nose"][0]
