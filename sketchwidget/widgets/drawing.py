@@ -83,8 +83,9 @@ class Drawing:
         """Show the drawing of the session, or its profile."""
         session = self._session_of()
         edited = session.mode == "followup"
-        if not edited:
+        if self._side != FRONT and (not edited or session.gap is not None):  # a gap is one of the front
             self._side = FRONT
+            self._head.look(FRONT)
         toolbar.set_useful(self._cancel, session.gap is not None)
         if self._side != FRONT:
             self.pad.show(Sketch((Segment(SILHOUETTE, session.profile(self._side)),)))

@@ -283,6 +283,18 @@ class TestFollowUp:
         shown._on_view("front")
         assert "left_brow" in shown._drawing.pad._sketch.lines
 
+    def test_a_gap_that_undo_opens_is_seen_from_the_front_where_it_can_be_closed(self, shown, sent):
+        points = self.erase_brow(shown)
+        stroke(shown, points=points - np.array([0, 0.03]))
+        shown._on_view("left")
+        messages = sent(shown._head.widget)
+        shown._undo.click()
+        assert shown.session.gap is not None and "left_brow" in shown._drawing.pad._sketch.lines
+        assert [content["direction"] for content, _ in messages if content["type"] == "look"] == [[0, 0, 1]]
+        assert "Now draw the left brow anew" in shown._status.message
+        stroke(shown, points=points - np.array([0, 0.03]))
+        assert shown.session.gap is None and shown._status.message.startswith("The left brow is drawn anew.")
+
     def test_the_pad_is_seen_from_the_front_again_as_the_head_is_after_a_tab_of_pictures(self, shown):
         shown._on_view("left")
         shown._mode.value = "caricature"
