@@ -32,7 +32,7 @@ class History:
         self._undone: list[Event] = []
         self._set_aside: tuple[State, list[Event]] = State(), []  # a state that was exaggerated, and what was undone
         self._begins = 0  # the edits that are never taken back
-        self._states = deque([State()], maxlen=KEPT_STATES + 1)
+        self._states = self._replayed([])
 
     @property
     def state(self) -> State:
@@ -106,18 +106,23 @@ class History:
 
     def _take_back(self) -> Event:
         """The last edit, which counts no more."""
-        edit = self._done.pop()
-        self._states.pop()
-        if not self._states:
-            self._states.append(State())
-            for earlier in self._done:
-                self._states.append(apply(self.state, earlier, self._modeller))
-        return edit
+        if len(self._states) > 1:
+            self._states.pop()
+        else:
+            self._states = self._replayed(self._done[:-1])
+        return self._done.pop()
+
+    def _replayed(self, edits: list[Event]) -> deque[State]:
+        """The last states that edits of an empty canvas give."""
+        states = deque([State()], maxlen=KEPT_STATES + 1)
+        for edit in edits:
+            states.append(apply(states[-1], edit, self._modeller))
+        return states
 
     def _redo(self) -> bool:
         if not self._undone:
             return False
-        edit = self._undone.pop()
-        self._done.append(edit)
-        self._states.append(apply(self.state, edit, self._modeller))
+        state = apply(self.state, self._undone[-1], self._modeller)
+        self._done.append(self._undone.pop())
+        self._states.append(state)
         return True

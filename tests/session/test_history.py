@@ -1,7 +1,9 @@
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from sketchwidget.session import Clear, Draw, Erase, History, Modeller, Redo, State, Undo, apply
+from sketchwidget.session import history as session_history
 from sketchwidget.session.history import KEPT_STATES
 
 MODELLER = Modeller(regressor=object())  # none of these edits needs a head
@@ -72,6 +74,27 @@ def test_undo_beyond_the_kept_states_gives_the_states_that_were():
     for state in states[1:]:
         assert history.record(Redo())
         assert same_bits(history.state, state)
+
+
+@pytest.mark.parametrize(("steps", "failing"), [(KEPT_STATES, Undo()), (1, Redo())], ids=["undo", "redo"])
+def test_an_undo_or_redo_that_is_interrupted_changes_nothing(monkeypatch, steps, failing):
+    history = History(MODELLER)
+    for i in range(KEPT_STATES + 2):
+        history.record(dot(i))
+    for _ in range(steps):
+        history.record(Undo())
+    before, state = (history.can_undo, history.can_redo), history.state
+    with monkeypatch.context() as patch:
+        patch.setattr(session_history, "apply", interrupted)
+        with pytest.raises(KeyboardInterrupt):
+            history.record(failing)
+    assert history.state is state and (history.can_undo, history.can_redo) == before
+    step = 1 if isinstance(failing, Redo) else -1
+    assert history.record(failing) and len(history.state.sketch) == len(state.sketch) + step
+
+
+def interrupted(*_):
+    raise KeyboardInterrupt
 
 
 def test_kept_states_are_the_states_themselves():
