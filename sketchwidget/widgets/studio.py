@@ -307,7 +307,8 @@ class Studio(VBox):
                 self._status.say("The mean face has nothing to exaggerate: draw first.")
             else:
                 self.session.exaggerate(amount)
-                self._status.say(f"Exaggerated {amount:.2f} times; undo brings the head back.", self._expected)
+                happened = f"Exaggerated {amount:.2f} times; undo brings the head back."
+                self._status.say("The head is as it was." if amount == 1.0 else happened, self._expected)
         self._exaggerating.show(self.session.exaggeration)
 
     def _on_example(self, name: str, text: str) -> None:

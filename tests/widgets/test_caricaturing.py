@@ -145,6 +145,9 @@ def test_the_slider_exaggerates_the_session_s_head_in_one_step(studio, someone):
         studio._exaggerating._slider.value = amount
     assert studio.session.exaggeration == 2.0 and studio._status.message.startswith("Exaggerated 2.00 times")
     assert np.abs(shown(studio).vertices - taken.vertices).max() > 3
+    studio._exaggerating._slider.value = 1.0
+    assert shown(studio) is taken and studio._status.message.startswith("The head is as it was.")
+    studio._exaggerating._slider.value = 2.0
     studio._undo.click()
     assert studio._exaggerating._slider.value == 1.0
     np.testing.assert_allclose(shown(studio).vertices, taken.vertices, atol=0.01)
