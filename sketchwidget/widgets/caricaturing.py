@@ -104,7 +104,8 @@ class Caricaturing(Tab):
             self._status.say(FITTED.format(100 * fitted.fit.rmse / eyes), self.expected)
 
     def _on_failure(self, error: Exception) -> None:
-        self._status.fail(f"There is no head for these landmarks, the one before is kept: {sentence(error)}")
+        if self._active:  # else it fails again, and is told, once the tab is on show
+            self._status.fail(f"There is no head for these landmarks, the one before is kept: {sentence(error)}")
 
     def _renew(self, passing: bool) -> None:
         self.face = None if self._fitted is None else exaggerate(self._fitted.fit.face, self.amount)

@@ -161,7 +161,8 @@ class Portraying(Tab):
 
     def _on_failure(self, error: Exception) -> None:
         self._followed = None
-        self._status.fail(f"There is no head of this picture: {sentence(error)}")
+        if self._active:  # else it fails again, and is told, once the tab is on show
+            self._status.fail(f"There is no head of this picture: {sentence(error)}")
 
 
 def _seen(name: str, milliseconds: float, result: np.ndarray, picture: np.ndarray, model: FaceModel) -> _Stage:

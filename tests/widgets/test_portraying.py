@@ -127,6 +127,15 @@ def test_a_picture_that_gives_no_head_is_a_sentence(studio, built):
     assert studio.session.mode != "refine" and "no head to take over" in studio._status.message
 
 
+@pytest.mark.parametrize("name", ["caricature", "portrait"])
+def test_what_fails_for_a_tab_that_was_left_is_not_told_in_another(studio, name):
+    studio._mode.value = name
+    studio._mode.value = "followup"
+    before = studio._status.message
+    studio._tabs[name]._on_failure(ValueError("the face is seen in profile"))
+    assert studio._status.message == before
+
+
 def test_eyelids_that_were_found_count_until_the_eye_is_corrected():
     points = np.random.default_rng(1).uniform(0, 300, (68, 2))
     found = FaceLandmarks(points, {"left": np.zeros((16, 2)), "right": np.ones((16, 2))})
