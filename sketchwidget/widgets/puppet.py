@@ -48,12 +48,20 @@ class Puppet(anywidget.AnyWidget):
         self.on_msg(self._receive)
 
     def hold(self, avatar: Avatar | None, tracks: Iterable[Performance] = ()) -> None:
-        """Move this head from now on, at rest first, and offer performances; with None no head is moved."""
+        """Move this head from now on, at rest first, and offer performances; with None no head is moved.
+
+        Raises
+        ------
+        ValueError
+            If the head has more than 65,536 vertices, or an expression moves it by more than 328 mm; the head before is
+            moved then.
+        """
+        rig = None if avatar is None else _message(avatar)
         with self.hold_sync():
             self.weights, self.playing = {}, ""
             self.names = [] if avatar is None else grouped(avatar.rig)
             self.performances = {} if avatar is None else {track.name: _as_keys(track) for track in tracks}
-        self._rig = None if avatar is None else _message(avatar)
+        self._rig = rig
         self._send_rig()
 
     def drive(self, frames: Iterable[Mapping[str, float]], rate: float | None = 30.0) -> None:

@@ -79,3 +79,4 @@ def test_a_move_too_large_for_its_bytes_is_told(puppet):
     head.rig = {"jawOpen": np.full((5, 3), 400.0)}
     with pytest.raises(ValueError, match="328 mm"):
         puppet.hold(head)
+    assert puppet.names == [] and puppet._rig is None  # nothing of it is there
