@@ -13,7 +13,7 @@ from scipy.ndimage import gaussian_filter1d
 
 from ..sketch import resample
 from . import shapes
-from .names import DOWN_ROLLS, GESTURES, LEFT_ARROW, LINE, REGION, RIGHT_ARROW, UP_ROLLS
+from .names import ARROWS, DOWN_ROLLS, GESTURES, LEFT_ARROW, LINE, REGION, UP_ROLLS
 
 _DENSE = 200  # points at which a path is bent and smoothed
 
@@ -119,7 +119,7 @@ class Writer:
             return self._line(random)
         if name == REGION:
             return self._region(random)
-        if name in (LEFT_ARROW, RIGHT_ARROW):
+        if name in ARROWS:
             return self._arrow(-1.0 if name == LEFT_ARROW else 1.0, random)
         upwards = name in UP_ROLLS
         loops = 1 + (UP_ROLLS if upwards else DOWN_ROLLS).index(name)

@@ -14,7 +14,7 @@ import numpy as np
 
 from sketchwidget.geometry.enclosure import enclosed
 from sketchwidget.geometry.silhouette import Drag, nearest_silhouette, silhouettes
-from sketchwidget.gesture.names import DOWN_ROLLS, GESTURES, LEFT_ARROW, LEVELS, LINE, REGION, RIGHT_ARROW, UP_ROLLS
+from sketchwidget.gesture.names import ARROWS, DOWN_ROLLS, GESTURES, LEVELS, LINE, REGION, UP_ROLLS
 
 from .refinement import Edit, Refinement
 
@@ -29,7 +29,7 @@ Recogniser = Callable[[np.ndarray], bool]
 DEPTHS = [4.0, 8.0, 12.0]  # mm of bulging or depression, by level; looked up by each roll, so they may be changed
 PEN_TOOLS = ("gesture", "brush", "unbrush", "orbit")  # of the Studio
 NEAR = 0.12  # canvas units from a silhouette within which a line means it: 30 mm
-_RESERVED = (LEFT_ARROW, RIGHT_ARROW, *PEN_TOOLS)
+_RESERVED = (*ARROWS, *PEN_TOOLS)
 _EDGE_ON = 0.2  # cosine of the angle between the handles' normal and the view, below which depth is no direction
 
 

@@ -14,7 +14,7 @@ from traitlets import Bool, Dict, Float, HasTraits, Instance, Unicode, default
 from sketchwidget.files import textfile
 from sketchwidget.geometry.enclosure import brushed
 from sketchwidget.geometry.view import View
-from sketchwidget.gesture.names import LEFT_ARROW, RIGHT_ARROW
+from sketchwidget.gesture.names import ARROWS
 from sketchwidget.sketch import Sketch, as_stroke
 from sketchwidget.sketch.erase import as_radius
 from sketchwidget.sketch.gap import carried_on
@@ -314,7 +314,7 @@ class Session(HasTraits):
         Parameters and errors are those of `gesture`. None if it is an arrow, or a line that may become a roll.
         """
         event = self._named(Gesture(points, view))
-        if event.name in (LEFT_ARROW, RIGHT_ARROW) or may_change(event, self._history.state):
+        if event.name in ARROWS or may_change(event, self._history.state):
             return None
         return self._modeller.head(apply(self._history.state, event, self._modeller)).face
 

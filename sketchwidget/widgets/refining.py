@@ -11,7 +11,7 @@ from ipywidgets import HTML, jslink
 
 from ..geometry import View
 from ..gesture import GESTURES
-from ..gesture.names import LINE
+from ..gesture.names import ARROWS, LINE
 from ..gesture.shapes import example
 from ..session import Session
 from ..session.behaviours import tools
@@ -113,7 +113,10 @@ class Refining:
 
     def _did(self, session: Session, points: np.ndarray, tool: str, view: View) -> str:
         if tool not in BRUSHES:
+            before = len(session.events)
             name = session.gesture(points, view, None if tool == "gesture" else tool)
+            if name in ARROWS and len(session.events) == before:
+                return f"{name}: nothing to {EFFECTS[name]}"
             if name == LINE:
                 return "line: moves the handles" if len(session.handles) else "line: drags the outline"
             return f"{name}: {EFFECTS[name]}" if name in EFFECTS else name

@@ -68,6 +68,9 @@ def test_a_gesture_flashes_its_name_and_moves_the_head(studio):
     answer = message(studio, drawn("left arrow", nose(studio)))
     assert answer["text"] == "left arrow: undo"
     assert studio.session.face.landmarks[30, 2] == before
+    message(studio, drawn("right arrow", nose(studio)))
+    assert message(studio, drawn("right arrow", nose(studio)))["text"] == "right arrow: nothing to redo"
+    assert studio._status.message.startswith("Right arrow: nothing to redo.")
 
 
 def test_a_line_flashes_what_it_did(studio):
