@@ -13,6 +13,8 @@ from jupyter_page import DEADLINE
 from PIL import Image
 from playwright.sync_api import ElementHandle, Locator, Page
 
+from sketchwidget import View
+
 T = TypeVar("T")
 ANGLES = np.linspace(-np.pi / 2, 1.5 * np.pi, 33)
 OVAL = np.stack([0.5 + 0.27 * np.cos(ANGLES), 0.5 + 0.39 * np.sin(ANGLES)], axis=1)  # the outline of a face
@@ -95,6 +97,20 @@ class StudioPage:
         for point in others:
             self.page.mouse.move(**point)
         self.page.mouse.up(button=button)
+
+    def raise_half_of(self, line: np.ndarray) -> None:
+        """Draw half of a line of the head, by its vertices, higher in follow-up sketching."""
+        before, camera = self.positions(), self.camera()
+        scale = 1 / (camera["right"] - camera["left"])
+        standing = View(np.eye(3), scale, np.array([-camera["left"], camera["top"]]) * scale)
+        half = standing.project(before[line])[: len(line) // 2]
+        self.press("e")
+        self.draw(half[len(half) // 2 :][:1].tolist())
+        until(lambda: self.message, lambda said: said.startswith("Erased."), "the word of the eraser")
+        self.press("p")
+        self.draw((half - np.array([0, 0.03])).tolist())
+        until(lambda: self.message, lambda said: "is drawn anew" in said, "the word of the stroke")
+        until(lambda: (self.positions() - before)[line, 1].max(), lambda rise: rise > 4, "a higher line")
 
     def open_picture(self, name: str, data: bytes) -> None:
         """Open a picture of a face in the tab that is on show."""

@@ -122,18 +122,7 @@ def test_the_slider_exaggerates_beyond_the_picture_and_the_head_is_taken_over(ta
     keep_picture(tab, "taken")
 
     # Its lines are edited: a brow is raised, and the rest stays.
-    brow = model.curves["left_brow"]
-    scale = 1 / (tab.camera()["right"] - tab.camera()["left"])
-    standing = sw.View(np.eye(3), scale, np.array([-tab.camera()["left"], tab.camera()["top"]]) * scale)
-    line = standing.project(taken[brow])
-    half = line[: len(line) // 2]
-    tab.press("e")
-    tab.draw(half[len(half) // 2 :][:1].tolist())
-    until(lambda: tab.message, lambda said: said.startswith("Erased."), "the word of the eraser")
-    tab.press("p")
-    tab.draw((half - np.array([0, 0.03])).tolist())
-    until(lambda: tab.message, lambda said: "brow is drawn anew" in said, "the word of the stroke")
-    until(lambda: (tab.positions() - taken)[brow, 1].max(), lambda rise: rise > 4, "a higher brow")
+    tab.raise_half_of(model.curves["left_brow"])
     # The other lines stay; between them, what is inferred from the new ones changes a little everywhere.
     moved = tab.positions() - taken
     assert np.abs(moved[model.curves["mouth_upper"], :2]).max() < 0.5

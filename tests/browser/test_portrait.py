@@ -158,18 +158,7 @@ def test_the_head_is_taken_over_and_edited_with_its_texture(built, model) -> Non
     until(built.ink_pixels, what="its lines")
     np.testing.assert_allclose(built.positions(), rest, atol=0.01)
     assert textured(built)
-    brow = model.curves["left_brow"]
-    scale = 1 / (built.camera()["right"] - built.camera()["left"])
-    standing = sw.View(np.eye(3), scale, np.array([-built.camera()["left"], built.camera()["top"]]) * scale)
-    line = standing.project(rest[brow])
-    half = line[: len(line) // 2]
-    built.press("e")
-    built.draw(half[len(half) // 2 :][:1].tolist())
-    until(lambda: built.message, lambda said: said.startswith("Erased."), "the word of the eraser")
-    built.press("p")
-    built.draw((half - np.array([0, 0.03])).tolist())
-    until(lambda: built.message, lambda said: "brow is drawn anew" in said, "the word of the stroke")
-    until(lambda: (built.positions() - rest)[brow, 1].max(), lambda rise: rise > 4, "a higher brow")
+    built.raise_half_of(model.curves["left_brow"])
     assert textured(built)
     keep_picture(built, "edited")
     for _ in range(3):
