@@ -40,10 +40,10 @@ class Keeping:
         self._autosave: Autosave | None = None
 
     def keep(self, session: Session) -> str:
-        """Write what was done in a session; the file that holds it now, empty if none does.
+        """Write what was done in a session; the file that holds it, empty if none does.
 
-        One that saves itself is left alone: its own file is given. Where nothing can be written, nothing is kept, and
-        the next change is another try.
+        One that saves itself is left alone: its own file is given. Where nothing can be written, the file holds what
+        was done until then, and the next change is another try.
         """
         if session.autosaved is not None:
             return os.fspath(session.autosaved)
@@ -56,7 +56,9 @@ class Keeping:
                 self._autosave = Autosave(_another())
             self._autosave.write(session.events, session.inference)
         except (OSError, ValueError):
-            return ""
+            if self._autosave is None or not os.path.exists(self._autosave.path):
+                self._autosave = None
+                return ""
         return os.fspath(self._autosave.path)
 
 

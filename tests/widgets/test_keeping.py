@@ -1,6 +1,7 @@
 """Drawings that are kept without being asked."""
 
 import os
+import shutil
 from pathlib import Path
 
 import pytest
@@ -73,6 +74,28 @@ def test_where_nothing_can_be_written_drawing_goes_on_and_nothing_is_claimed(fol
     folder.parent.unlink()
     session.draw([[0.3, 0.4], [0.6, 0.8]])  # room again: the next change is kept, with all before
     assert kept_events(studio._connection.kept) == session.events
+
+
+def test_what_was_kept_is_told_though_no_more_can_be_written(folder, session, monkeypatch):
+    studio = on_page(session)
+    session.draw(STROKE)
+    path, events = studio._connection.kept, session.events
+    with monkeypatch.context() as patch:
+        patch.setattr(keeping.Autosave, "write", full)
+        session.draw([[0.3, 0.4], [0.6, 0.8]])
+        assert studio._connection.kept == path and kept_events(path) == events
+    session.undo()
+    assert studio._connection.kept == path and kept_events(path) == session.events
+    # Somebody clears the folder away: the next change but one is in a new file.
+    shutil.rmtree(folder)
+    session.redo()
+    assert studio._connection.kept == ""
+    session.draw(STROKE)
+    assert kept_events(studio._connection.kept) == session.events
+
+
+def full(*_):
+    raise OSError(28, "No space left on device")
 
 
 def test_the_oldest_make_room(folder, monkeypatch):
