@@ -116,7 +116,8 @@ class Portraying(Tab):
             def tell(name: str, milliseconds: float, result: np.ndarray) -> None:
                 report(_seen(name, milliseconds, result, picture, model))
 
-            shipped = model is FaceModel.load()
+            # What goes with the shipped model, a network too, is made once; each session has loaded a model of its own.
+            shipped = model.fingerprint == FaceModel.load().fingerprint
             return _Built(build(picture, marks, model=None if shipped else model, report=tell), marked)
 
         self._status.say(BUILDING.format("landmarks"))

@@ -1,6 +1,8 @@
 """The Portrait tab without a page: heads are built at once, by a builder that answers at once."""
 
+import copy
 import re
+from dataclasses import replace
 from types import SimpleNamespace
 
 import cv2
@@ -27,12 +29,13 @@ def someone(model):
 
 
 @pytest.fixture
-def built(someone, monkeypatch):
+def built(someone, models, monkeypatch):
     """Tells what `build` was given; the landmarks of its heads are the face's."""
     given = []
 
     def build(picture, marks, model=None, report=None):
         given.append(marks)
+        models.append(model)
         if picture.max() == 0:
             raise ValueError("the face is seen in profile")
         report("landmarks", 1.0, marks.points)
@@ -48,6 +51,12 @@ def built(someone, monkeypatch):
 
     monkeypatch.setattr("sketchwidget.avatar.build", build)
     return given
+
+
+@pytest.fixture
+def models():
+    """The face models that `build` was given."""
+    return []
 
 
 @pytest.fixture
@@ -116,6 +125,20 @@ def test_what_is_exported_is_the_avatar(tab):
     assert tab._exported is tab._tabs["portrait"].avatar
     tab._mode.value = "initial"
     assert tab._exported is tab._face
+
+
+def test_the_shipped_model_goes_with_all_that_ships_for_it(tab, models):
+    assert models and all(model is None for model in models)
+
+
+def test_another_model_is_built_with(studio, built, models, model, monkeypatch):
+    another = copy.copy(model)
+    monkeypatch.setattr(another, "bilinear", replace(model.bilinear, core=2 * model.bilinear.core))
+    monkeypatch.setattr(studio._tabs["portrait"], "_model_of", lambda: another)
+    studio._mode.value = "portrait"
+    studio.marking.open(PICTURE, "someone.png")
+    studio.marking.place(np.random.default_rng(0).uniform(100, 300, (68, 2)))
+    assert models == [another]
 
 
 def test_a_picture_that_gives_no_head_is_a_sentence(studio, built):
