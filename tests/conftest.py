@@ -20,6 +20,14 @@ def state_of_no_user(tmp_path_factory):
 
 
 @pytest.fixture(scope="session")
+def model():
+    """The shipped one; nobody changes it."""
+    from sketchwidget.face import FaceModel
+
+    return FaceModel.load()
+
+
+@pytest.fixture(scope="session")
 def three_expressions():
     from small_database import ThreeExpressions
 

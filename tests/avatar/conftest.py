@@ -2,7 +2,6 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from sketchwidget import FaceModel
 from sketchwidget.avatar.camera import Camera
 from sketchwidget.avatar.template import AvatarTemplate
 from sketchwidget.geometry.view import View
@@ -15,11 +14,6 @@ def no_models(tmp_path_factory):
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(models, "user_cache_path", lambda name: tmp_path_factory.getbasetemp() / "no models" / name)
         yield
-
-
-@pytest.fixture(scope="session")
-def model():
-    return FaceModel.load()
 
 
 @pytest.fixture(scope="session")

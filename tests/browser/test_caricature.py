@@ -25,11 +25,6 @@ SCREENSHOTS = os.environ.get("SKETCHWIDGET_SCREENSHOTS")  # a folder for picture
 
 
 @pytest.fixture(scope="module")
-def model() -> sw.FaceModel:
-    return sw.FaceModel.load()
-
-
-@pytest.fixture(scope="module")
 def view() -> sw.View:
     return sw.View(sw.View.preset("front").rotation, 1 / 280, np.array([0.5, 0.5]))
 

@@ -17,11 +17,6 @@ SCREENSHOTS = os.environ.get("SKETCHWIDGET_SCREENSHOTS")  # a folder for picture
 
 
 @pytest.fixture(scope="module")
-def model() -> sw.FaceModel:
-    return sw.FaceModel.load()
-
-
-@pytest.fixture(scope="module")
 def lines(model: sw.FaceModel) -> dict[str, list[np.ndarray]]:
     """What the Studio shows once it starts from the template."""
     shown = editable(model.template, model.mean, View()).lines

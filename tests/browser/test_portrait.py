@@ -19,11 +19,6 @@ SCREENSHOTS = os.environ.get("SKETCHWIDGET_SCREENSHOTS")  # a folder for picture
 
 
 @pytest.fixture(scope="module")
-def model() -> sw.FaceModel:
-    return sw.FaceModel.load()
-
-
-@pytest.fixture(scope="module")
 def drawn(model: sw.FaceModel) -> tuple[bytes, np.ndarray]:
     """A picture of a head as a file, and its landmarks (68, 2) in pixels."""
     view = sw.View(sw.View.preset("front").rotation, 1 / 280, np.array([0.5, 0.5]))

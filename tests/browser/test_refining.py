@@ -5,7 +5,7 @@ import pytest
 from refining import drawn, stroke
 from studio_page import until
 
-from sketchwidget import FaceModel, View
+from sketchwidget import View
 
 NOSE, CHIN = 30, 8
 CODE = """
@@ -36,11 +36,6 @@ def studio(open_studio):
     studio.press("r")
     until(lambda: "sketchwidget-refining" in (studio.head.get_attribute("class") or ""), what="the refinement mode")
     return studio
-
-
-@pytest.fixture(scope="module")
-def model():
-    return FaceModel.load()
 
 
 def flash(studio):

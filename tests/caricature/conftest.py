@@ -2,14 +2,8 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from sketchwidget import FaceModel
 from sketchwidget.caricature import Camera, exaggerate, fit
 from sketchwidget.caricature.fitting import deformable_head
-
-
-@pytest.fixture(scope="session")
-def model():
-    return FaceModel.load()
 
 
 @pytest.fixture(scope="session")

@@ -1,15 +1,9 @@
 import numpy as np
 import pytest
 
-from sketchwidget.face import FaceModel
 from sketchwidget.face.handles import LINES
 from sketchwidget.face.template import PARTS
 from sketchwidget.geometry import View
-
-
-@pytest.fixture(scope="module")
-def model():
-    return FaceModel.load()
 
 
 @pytest.fixture

@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 
-from sketchwidget import FaceModel
 from sketchwidget.inference import refinement
 from sketchwidget.inference.framing import Frame
 from sketchwidget.inference.matching import PLACES, DrawnLines
@@ -11,11 +10,6 @@ from sketchwidget.inference.refinement import LineRefiner
 from sketchwidget.inference.shape_code import COUNTS, split_lines
 from sketchwidget.sketch import SILHOUETTE
 from sketchwidget.training.standard import standardisation
-
-
-@pytest.fixture(scope="module")
-def model():
-    return FaceModel.load()
 
 
 @pytest.fixture(scope="module")

@@ -42,11 +42,6 @@ PICTURES = {
 }
 
 
-@pytest.fixture(scope="module")
-def model():
-    return sw.FaceModel.load()
-
-
 @pytest.fixture
 def studio(portrait_models, model):
     return Studio(sw.Session(SimpleNamespace(model=model), inference=False))

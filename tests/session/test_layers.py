@@ -1,16 +1,10 @@
 """Layers on a real face model."""
 
 import numpy as np
-import pytest
 
-from sketchwidget.face import Face, FaceModel
+from sketchwidget.face import Face
 from sketchwidget.geometry import rotation_about_y
 from sketchwidget.session import Displacement, Layers
-
-
-@pytest.fixture(scope="module")
-def model():
-    return FaceModel.load()
 
 
 class Moved:

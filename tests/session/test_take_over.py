@@ -38,11 +38,6 @@ class WrinkleCounter:
 
 
 @pytest.fixture(scope="module")
-def model():
-    return sw.FaceModel.load()
-
-
-@pytest.fixture(scope="module")
 def someone(model):
     """An exaggerated head, of which the pad holds all."""
     return sw.caricature.exaggerate(model.face(model.bilinear.identities[4 * 16], "grin_open"), 1.6)

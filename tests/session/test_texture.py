@@ -10,14 +10,8 @@ import numpy as np
 import pytest
 from PIL import Image
 
-import sketchwidget as sw
 from sketchwidget.face.texture import Texture, TexturedFace
 from sketchwidget.session import Session, SessionFileError
-
-
-@pytest.fixture(scope="module")
-def model():
-    return sw.FaceModel.load()
 
 
 @pytest.fixture(scope="module")

@@ -2,15 +2,8 @@ import pytest
 import torch
 from threadpoolctl import threadpool_limits
 
-from sketchwidget import FaceModel
 from sketchwidget.database.database import FaceDatabase
 from sketchwidget.training.pipeline import Pipeline
-
-
-@pytest.fixture(scope="session")
-def model():
-    """The shipped one."""
-    return FaceModel.load()
 
 
 @pytest.fixture(scope="session")

@@ -7,7 +7,6 @@ import torch
 from typer.testing import CliRunner
 
 import sketchwidget
-from sketchwidget import FaceModel
 from sketchwidget.avatar.coarse import CoarseFitter
 from sketchwidget.avatar.network import PortraitNetwork
 from sketchwidget.avatar.square import square_about
@@ -18,11 +17,6 @@ from sketchwidget.training.network import Schedule
 from sketchwidget.training.portrait_network import train_portrait_network
 from sketchwidget.training.portrait_set import PortraitSet
 from sketchwidget.training.portraits import render_portrait
-
-
-@pytest.fixture(scope="module")
-def model():
-    return FaceModel.load()
 
 
 @pytest.fixture(scope="module")

@@ -16,11 +16,6 @@ UNDER = 33  # the nose
 
 
 @pytest.fixture(scope="module")
-def model():
-    return sw.FaceModel.load()
-
-
-@pytest.fixture(scope="module")
 def someone(model):
     return model.face(model.bilinear.identities[4 * 33])
 

@@ -10,16 +10,11 @@ import numpy as np
 import pytest
 
 from sketchwidget.database.drawings import read_drawings
-from sketchwidget.face import Face, FaceModel
+from sketchwidget.face import Face
 from sketchwidget.widgets import DrawingCollector
 from sketchwidget.widgets.collector import random_faces
 
 STROKE = np.array([[0.2, 0.5, 0.5, 0], [0.5, 0.5, 0.75, 100], [0.8, 0.5, 0.5, 200]], dtype="<f4")
-
-
-@pytest.fixture(scope="module")
-def model():
-    return FaceModel.load()
 
 
 @pytest.fixture(scope="module")

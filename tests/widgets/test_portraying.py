@@ -19,11 +19,6 @@ JPEG = cv2.imencode(".jpg", PICTURE)[1].tobytes()
 
 
 @pytest.fixture(scope="module")
-def model():
-    return sw.FaceModel.load()
-
-
-@pytest.fixture(scope="module")
 def someone(model):
     return model.face(model.bilinear.identities[4 * 33])
 
