@@ -42,7 +42,10 @@ class Texture:
 
     def __post_init__(self) -> None:
         if not isinstance(self.picture, bytes) or len(self.picture) > MAX_BYTES:
-            raise ValueError(f"the picture of a texture is the bytes of a file, {MAX_BYTES >> 20} MB at most")
+            given = f"{len(self.picture):,} bytes" if isinstance(self.picture, bytes) else type(self.picture).__name__
+            raise ValueError(
+                f"the picture of a texture is the bytes of a file, {MAX_BYTES >> 20} MB at most; given {given}"
+            )
         try:
             width, height = Image.open(io.BytesIO(self.picture), formats=_FORMATS).size
         except (OSError, SyntaxError, ValueError, Image.DecompressionBombError) as error:

@@ -22,7 +22,15 @@ _LONGEST = 4.0  # times the part of the profile that it drags
 
 
 def side_view(frame: View, side: str) -> View:
-    """The view of the head from its left or right side that fits a front view."""
+    """The view of the head from its left or right side that fits a front view.
+
+    Raises
+    ------
+    ValueError
+        If the side is another.
+    """
+    if side not in ("left", "right"):
+        raise ValueError(f"a profile is seen from the left or the right; given {side!r}")
     return View(View.preset(side).rotation, frame.scale, frame.centre)
 
 

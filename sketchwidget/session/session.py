@@ -277,7 +277,13 @@ class Session(HasTraits):
         return self.do(Cancel())
 
     def profile(self, side: str = "left") -> np.ndarray:
-        """The head's profile (p, 2) on the canvas of its "left" or "right" view, beside which `draw` drags it."""
+        """The head's profile (p, 2) on the canvas of its "left" or "right" view, beside which `draw` drags it.
+
+        Raises
+        ------
+        ValueError
+            If the side is another.
+        """
         return profile.drawn(self._modeller.head(self._history.state), side)
 
     def gesture(self, points: Any, view: View | str | None = None, tool: str | None = None) -> str:

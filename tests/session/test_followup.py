@@ -647,3 +647,8 @@ def test_any_edits_keep_the_topology_and_undo_to_the_last_bit(regressor, edits):
         session.redo()
         last = snapshot(session)
         assert np.array_equal(last[0], start[0]) and last[1] == start[1]
+
+
+def test_a_profile_is_one_of_a_side():
+    with pytest.raises(ValueError, match="from the left or the right; given 'front'"):
+        Session(inference=False).profile("front")

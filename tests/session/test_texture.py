@@ -140,3 +140,10 @@ def test_the_exported_head_has_it(someone, texture):
     assert len(mesh.faces) == len(someone.faces) and np.ptp(mesh.vertices[:, 1]) < 0.4
     assert np.allclose(mesh.visual.uv[:100], texture.uv[:100], atol=1e-4)
     assert TexturedFace(someone, texture).to_bytes("obj") == someone.to_bytes("obj")
+
+
+def test_what_is_no_file_is_told():
+    with pytest.raises(ValueError, match="bytes of a file, 8 MB at most; given str"):
+        Texture("head.jpg", np.zeros((3, 2)))
+    with pytest.raises(ValueError, match="8 MB at most; given 8,388,609 bytes"):
+        Texture(bytes(8 * 2**20 + 1), np.zeros((3, 2)))
