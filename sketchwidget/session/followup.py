@@ -28,7 +28,8 @@ if TYPE_CHECKING:
     from .modeller import Modelled, Modeller
 
 _LEEWAY = 0.5  # mm by which handle points of the silhouette may be off its line
-_EARS = ("left_ear", "right_ear")
+_EARS, _BROWS, _NOSE = ("left_ear", "right_ear"), ("right_brow", "left_brow"), "nose"
+_BRIDGE, _BRIDGE_POINTS = "of the bridge of the nose", 12
 _SIDES = {"left": "right", "right": "left"}
 
 
@@ -288,13 +289,25 @@ def _redrawn(before: Sketch, opened: Sketch, gap: Gap, stroke: np.ndarray) -> Sk
 
 def _refuse_crossing(before: Sketch, former: Piece, new: Piece) -> None:
     """Raise a `GapError` if a line would pass over another one: the skin between them would fold."""
-    for name in LINES:
-        alone = {name, former.name} <= {SILHOUETTE, *_EARS} or name in (former.name, partner_of(former.name))
-        if not alone and any(swept(former.points, new.points, piece.points) for piece in pieces_of(before, name)):
+    for name, line in _lines_to_keep_off(before).items():
+        own = (former.name, partner_of(former.name), _BRIDGE if former.name == _NOSE else former.name)
+        alone = {name, former.name} <= {SILHOUETTE, *_EARS} or name in own
+        if not alone and swept(former.points, new.points, line):
             passing, passed = (text.replace("_", " ") for text in (former.name, name))
             raise GapError(
                 f"the gap cannot be closed so: the line {passing} would pass over the line {passed}; move that first"
             )
+
+
+def _lines_to_keep_off(sketch: Sketch) -> dict[str, np.ndarray]:
+    """The lines (n, 2) of a head, and what no line draws: the bridge of the nose, from the height of the brows down."""
+    lines = {name: joined(pieces).points for name in LINES if (pieces := pieces_of(sketch, name))}
+    if lines.keys() >= {_NOSE, *_BROWS}:
+        right, left = (lines[brow] for brow in _BROWS)
+        root = (right[:, 0].max() + left[:, 0].min()) / 2, max(right[:, 1].max(), left[:, 1].max())
+        tip = lines[_NOSE][len(lines[_NOSE]) // 2]
+        lines[_BRIDGE] = np.linspace(root, tip, _BRIDGE_POINTS)
+    return lines
 
 
 def _mirrored(points: np.ndarray, middle: float) -> np.ndarray:

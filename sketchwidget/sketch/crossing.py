@@ -14,9 +14,10 @@ def cross(one: np.ndarray, other: np.ndarray) -> bool:
 def swept(former: np.ndarray, new: np.ndarray, other: np.ndarray) -> bool:
     """Whether a polyline that goes from a former place (n, 2) to a new one (m, 2) passes over another line (k, 2).
 
-    A point of the other line that lies between the two is passed over.
+    A point of the other line that lies between the two is passed over, and so is a line that is crossed at last.
     """
-    return bool(points_in_poly(other, np.concatenate([former, new[::-1]])).any())
+    between = points_in_poly(other, np.concatenate([former, new[::-1]])).any()
+    return bool(between) or (cross(new, other) and not cross(former, other))
 
 
 def without_loops(line: np.ndarray) -> np.ndarray:
