@@ -69,6 +69,11 @@ def _shipped() -> _Tools:
     return _Tools.of(model := FaceModel.load(), PortraitNetwork.load(model))
 
 
+def _tools_for(model: FaceModel | None) -> _Tools:
+    shipped = _shipped()
+    return shipped if model is None or model.fingerprint == shipped.model.fingerprint else _Tools.of(model)
+
+
 def build(
     image: Any,
     landmarks: Any = None,
@@ -132,7 +137,7 @@ def build(
     with clock("landmarks"):
         marks = _marks(picture, landmarks, detector, face)
     clock.tell(marks.points * larger)
-    tools = _shipped() if model is None else _Tools.of(model)
+    tools = _tools_for(model)
     threads = torch.get_num_threads()
     torch.set_num_threads(1)  # small tensors: several threads wait for each other
     try:

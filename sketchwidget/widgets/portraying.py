@@ -117,8 +117,7 @@ class Portraying(Tab):
                 report(_seen(name, milliseconds, result, picture, model))
 
             # What goes with the shipped model, a network too, is made once; each session has loaded a model of its own.
-            shipped = model.fingerprint == FaceModel.load().fingerprint
-            return _Built(build(picture, marks, model=None if shipped else model, report=tell), marked)
+            return _Built(build(picture, marks, model=model, report=tell), marked)
 
         self._status.say(BUILDING.format("landmarks"))
         self._worker.do(job)

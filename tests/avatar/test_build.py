@@ -1,7 +1,10 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from sketchwidget.avatar import build
+from sketchwidget.face import FaceModel
 from sketchwidget.portrait import FaceLandmarks
 
 
@@ -122,3 +125,16 @@ def test_the_shipped_network_begins_the_fit_and_can_be_left_out(portrait, avatar
     without = build(image, landmarks, network=False)
     assert not np.array_equal(without.face.vertices, avatar.face.vertices)
     assert np.linalg.norm(without.face.vertices - avatar.face.vertices, axis=1).mean() < 3
+
+
+def test_the_shipped_model_is_known_as_such_and_another_begins_at_the_mean_face(portrait, avatar, monkeypatch):
+    from sketchwidget.avatar.network import PortraitNetwork
+
+    image, landmarks, _ = portrait
+    again = build(image, landmarks, model=FaceModel.load())
+    np.testing.assert_array_equal(again.face.vertices, avatar.face.vertices)
+    another = FaceModel.load()
+    monkeypatch.setattr(another, "bilinear", replace(another.bilinear, core=1.01 * another.bilinear.core))
+    asked = []
+    monkeypatch.setattr(PortraitNetwork, "predict", lambda *given: asked.append(given))
+    assert np.isfinite(build(image, landmarks, model=another).face.vertices).all() and not asked

@@ -1,8 +1,6 @@
 """The Portrait tab without a page: heads are built at once, by a builder that answers at once."""
 
-import copy
 import re
-from dataclasses import replace
 from types import SimpleNamespace
 
 import cv2
@@ -122,18 +120,8 @@ def test_what_is_exported_is_the_avatar(tab):
     assert tab._exported is tab._face
 
 
-def test_the_shipped_model_goes_with_all_that_ships_for_it(tab, models):
-    assert models and all(model is None for model in models)
-
-
-def test_another_model_is_built_with(studio, built, models, model, monkeypatch):
-    another = copy.copy(model)
-    monkeypatch.setattr(another, "bilinear", replace(model.bilinear, core=2 * model.bilinear.core))
-    monkeypatch.setattr(studio._tabs["portrait"], "_model_of", lambda: another)
-    studio._mode.value = "portrait"
-    studio.marking.open(PICTURE, "someone.png")
-    studio.marking.place(np.random.default_rng(0).uniform(100, 300, (68, 2)))
-    assert models == [another]
+def test_heads_are_built_with_the_session_s_model(tab, models, model):
+    assert models and all(given is model for given in models)
 
 
 def test_a_picture_that_gives_no_head_is_a_sentence(studio, built):
