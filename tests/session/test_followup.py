@@ -618,6 +618,7 @@ edits = st.lists(
         st.tuples(st.just("erase"), strokes),
         st.tuples(st.just("redraw"), st.sampled_from(LINES), st.floats(-0.04, 0.04), st.floats(-0.04, 0.04)),
         st.tuples(st.just("draw"), strokes),
+        st.tuples(st.just("profile"), st.sampled_from(["left", "right"]), st.floats(-0.03, 0.03)),
         st.tuples(st.sampled_from(["cancel", "undo", "redo"])),
     ),
     max_size=8,
@@ -631,6 +632,10 @@ def act(session, action, *arguments):
         if name == "silhouette":
             session.erase(points)
         action, arguments = "draw", [points + np.array(shift, dtype=np.float32)]
+    if action == "profile":
+        view, forward = arguments
+        points = session.profile(view)[45:75] + np.array([forward, 0.0], dtype=np.float32)
+        action, arguments = "draw", [points, view]
     if action != "redraw":
         getattr(session, action)(*arguments)
 
