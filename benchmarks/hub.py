@@ -284,7 +284,7 @@ def _report(measured: Sequence[Step], server: float, load: float) -> str:
         "through all modes, strokes at a hand's pace and sent while they are drawn, "
         f"{THINKING[0]:.0f} to {THINKING[1]:.0f} s to think between two edits.",
         f"Made by `python -m benchmarks.hub` on: {machine()}, {psutil.virtual_memory().total / _MB / 1024:.0f} GB,",
-        f"where the clients that draw ran too; before they began, {load:.0f} other processes wanted a processor.",
+        f"where the clients that draw ran too; processes that wanted a processor before they began: {load:.0f}.",
         "",
         "| pupils | MB of a kernel, resident | MB, its share | GB of all | stroke answered, median | within, 95 % "
         "| processor time of an edit | processors busy |",

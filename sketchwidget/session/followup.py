@@ -130,7 +130,7 @@ def entered(state: State, modeller: Modeller) -> State:
     if len(newer) < len(state.sketch):
         state = replace(state, sketch=Sketch(newer))
         shown = modeller.head(state)
-    _ = modeller.model.handles  # so that the first edit does not wait for them
+    modeller.prepare_editing()
     face = shown.layers.drawn
     kept = _whole_lines(state.sketch, face)
     if len(kept) == len(LINES) and all(segment.name != UNNAMED for segment in state.sketch.segments):
@@ -149,7 +149,7 @@ def from_template(modeller: Modeller) -> State:
     from .modeller import Modelled
 
     face = modeller.model.face()
-    _ = modeller.model.handles  # so that the first edit does not wait for them
+    modeller.prepare_editing()
     sketch = editable(face.model.template, face.vertices, View())
     start = Modelled.of(face, View(), sketch)
     return State("followup", sketch, Followup(start, sketch))

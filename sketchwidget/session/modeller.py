@@ -180,7 +180,11 @@ class Modeller:
         """Load the network and what deforms heads."""
         if self.inference:
             _ = self.regressor
-        _ = self.model.handles
+        self.prepare_editing()
+
+    def prepare_editing(self) -> None:
+        """Compute what the first edit of a line would wait for."""
+        _ = self.model.handles, self.folds
 
     def head(self, state: State) -> Modelled:
         """The head of a state; those of the states asked for last are remembered, and take no time."""
