@@ -200,12 +200,13 @@ class Modeller:
         return modelled
 
     def refuse_folds(self, before: State, after: State) -> None:
-        """Raise a ValueError if edited lines fold the skin of the head more than it was before.
+        """Raise a ValueError if a line that was drawn anew folds the skin of the head more than it was before.
 
-        A head that cannot be made is no reason: what is wrong is told once it is shown.
+        A drawn profile may overhang, which from the front looks like a fold. A head that cannot be made is no reason:
+        what is wrong is told once it is shown.
         """
         was, now = before.followup, after.followup
-        if was is None or now is None or (was.gap is None and was.profile is now.profile):
+        if was is None or was.gap is None or now is None or now.gap is not None:
             return
         try:
             former, head = self.head(before), self.head(after)
