@@ -290,8 +290,8 @@ def _redrawn(before: Sketch, opened: Sketch, gap: Gap, stroke: np.ndarray) -> Sk
 def _refuse_crossing(before: Sketch, former: Piece, new: Piece) -> None:
     """Raise a `GapError` if a line would pass over another one: the skin between them would fold."""
     for name, line in _lines_to_keep_off(before).items():
-        own = (former.name, partner_of(former.name), _BRIDGE if former.name == _NOSE else former.name)
-        alone = {name, former.name} <= {SILHOUETTE, *_EARS} or name in own
+        alone = {name, former.name} <= {SILHOUETTE, *_EARS} or name in (former.name, partner_of(former.name))
+        alone |= (name, former.name) == (_BRIDGE, _NOSE)
         if not alone and swept(former.points, new.points, line):
             passing, passed = (text.replace("_", " ") for text in (former.name, name))
             raise GapError(

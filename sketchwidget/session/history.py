@@ -7,7 +7,7 @@ from collections import deque
 from sketchwidget.gesture.names import LEFT_ARROW, RIGHT_ARROW
 
 from .apply import apply
-from .events import Draw, Event, Exaggerate, Gesture, Redo, Undo
+from .events import Event, Exaggerate, Gesture, Redo, Undo
 from .modeller import Modeller
 from .state import State
 
@@ -53,14 +53,8 @@ class History:
         """No undo leads further back than to the present state."""
         self._begins = len(self._done)
 
-    def record(self, event: Event, refusing: bool = False) -> bool:
+    def record(self, event: Event) -> bool:
         """Do what an event says.
-
-        Parameters
-        ----------
-        event : Event
-        refusing : bool
-            Whether to refuse a stroke that would fold the head; what a file holds was not.
 
         Returns
         -------
@@ -70,7 +64,7 @@ class History:
         Raises
         ------
         ValueError
-            If the edit cannot be applied, or would fold the head; the history is as before.
+            If the edit cannot be applied; the history is as before.
         """
         match self._meant(event):
             case Undo():
@@ -80,8 +74,6 @@ class History:
         state = apply(self.state, event, self._modeller)
         if state is self.state:
             return False
-        if refusing and isinstance(event, Draw):
-            self._modeller.refuse_folds(self.state, state)
         if isinstance(event, Exaggerate):
             if self.state.exaggeration is None:
                 self._set_aside = (self.state, self._undone)

@@ -13,7 +13,6 @@ import numpy as np
 
 from sketchwidget.face.attached import Attached, attached_parts
 from sketchwidget.face.cover import Cover
-from sketchwidget.face.folds import FoldCounter
 from sketchwidget.face.template import PARTS
 from sketchwidget.geometry.region_deformation import RegionDeformation
 from sketchwidget.geometry.view import View
@@ -31,7 +30,6 @@ if TYPE_CHECKING:
 
     from .take_over import Residual
 
-_FOLDS = 8  # triangles that edited lines may turn over: where they leave no room, as where lids and lips meet
 _KEPT = 4  # heads: those of the present state, the one before, and of strokes that are still being drawn
 
 
@@ -115,11 +113,6 @@ class Modeller:
         """The skin about each of the attached parts."""
         return [Cover.of(part, self.model.template, self.model.mean) for part in self.attached]
 
-    @cached_property
-    def folds(self) -> FoldCounter:
-        """Counts the folds of heads."""
-        return FoldCounter(self.model.template, self.model.mean)
-
     def deformation(self, movable: np.ndarray, handles: np.ndarray) -> RegionDeformation:
         """The deformation of a region (V,) bool by handles (h,); the last few are remembered, with their factors.
 
@@ -184,7 +177,7 @@ class Modeller:
 
     def prepare_editing(self) -> None:
         """Compute what the first edit of a line would wait for."""
-        _ = self.model.handles, self.folds
+        _ = self.model.handles
 
     def head(self, state: State) -> Modelled:
         """The head of a state; those of the states asked for last are remembered, and take no time."""
@@ -198,23 +191,6 @@ class Modeller:
             modelled = replace(modelled, layers=modelled.layers.refined(state.refinement.layer))
         self._heads.append((state, replace(modelled, timings={})))
         return modelled
-
-    def refuse_folds(self, before: State, after: State) -> None:
-        """Raise a ValueError if a line that was drawn anew folds the skin of the head more than it was before.
-
-        A drawn profile may overhang, which from the front looks like a fold. A head that cannot be made is no reason:
-        what is wrong is told once it is shown.
-        """
-        was, now = before.followup, after.followup
-        if was is None or was.gap is None or now is None or now.gap is not None:
-            return
-        try:
-            former, head = self.head(before), self.head(after)
-        except Exception:
-            return
-        self._heads[-1] = (after, head)  # who asks next is told what it took
-        if self.folds(head.face.vertices) > max(_FOLDS, self.folds(former.face.vertices)):
-            raise ValueError("the skin of the head would fold there: draw nearer to where the line was, or less of it")
 
     def _unrefined(self, state: State) -> Modelled:
         """The head of a state without refinement; the last is remembered, so that gestures infer nothing."""

@@ -177,8 +177,8 @@ class Session(HasTraits):
         Raises
         ------
         ValueError
-            If the points are no stroke, the view is another, the stroke closes no gap or would fold the head's skin, or
-            the sketch is full; nothing has changed then.
+            If the points are no stroke, the view is another, the stroke closes no gap, or the sketch is full; nothing
+            has changed then.
         """
         self.do(Draw(points, view, mirror))
 
@@ -494,7 +494,7 @@ class Session(HasTraits):
         if not isinstance(event, Event):
             raise TypeError(f"a session does an Event, as those of Session.events; given {type(event).__name__}")
         started = perf_counter()
-        changed = self._record(event, refusing=True)
+        changed = self._record(event)
         if changed:
             try:
                 if self._autosave is not None:
@@ -506,10 +506,10 @@ class Session(HasTraits):
     def _named(self, event: Gesture) -> Gesture:
         return named(event, self._history.state, self._modeller)
 
-    def _record(self, event: Event, refusing: bool = False) -> bool:
+    def _record(self, event: Event) -> bool:
         if isinstance(event, Gesture):
             event = self._named(event)  # those of old files have no name yet
-        changed = self._history.record(event, refusing)
+        changed = self._history.record(event)
         if changed:
             if _replaces(event, self._events):
                 self._events.pop()

@@ -357,16 +357,6 @@ def test_a_brow_does_not_come_down_on_the_other_side_of_the_nose(session):
     assert flipped(session) <= FLIPPED
 
 
-def test_a_stroke_that_would_fold_the_head_is_refused_and_the_gap_stays(session):
-    points = erase_feature(session, "nose")
-    before = session.sketch, session.gap, session.face
-    with pytest.raises(ValueError, match="skin of the head would fold"):
-        session.draw(points + np.float32([0.06, 0]))  # one wing of it over to the other
-    assert (session.sketch, session.gap, session.face) == before
-    session.draw(points + np.float32([0.02, 0]))
-    assert flipped(session) <= FLIPPED and session.timings["deformation"] > 0
-
-
 def test_the_outline_does_not_pass_over_the_mouth(session):
     with pytest.raises(ValueError, match="pass over the line mouth"):
         redraw_chin(session, [0, -0.25])
