@@ -34,8 +34,8 @@ class _Commands(TyperGroup):
         try:
             return super().invoke(ctx)
         except KeyboardInterrupt:
-            resumable = ctx.invoked_subcommand in _RESUMABLE
-            typer.echo(f"sketchwidget: stopped{'; the same command goes on from here' if resumable else ''}", err=True)
+            kept = "; the same command goes on from what is finished" if ctx.invoked_subcommand in _RESUMABLE else ""
+            typer.echo(f"sketchwidget: stopped{kept}", err=True)
             raise typer.Exit(130) from None
         except ModuleNotFoundError as error:
             fail(f"{error.name} is missing: pip install 'sketchwidget[database]'")

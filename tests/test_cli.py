@@ -78,7 +78,7 @@ def test_a_build_that_is_stopped_says_that_it_goes_on(monkeypatch, tmp_path):
     monkeypatch.setattr("sketchwidget.database.build.build", interrupted)
     result = run("database", "--preset", "tiny", "--out", str(tmp_path / "faces"))
     assert result.exit_code == 130
-    assert result.stderr == "sketchwidget: stopped; the same command goes on from here\n"
+    assert result.stderr == "sketchwidget: stopped; the same command goes on from what is finished\n"
 
 
 def test_port_in_use_ends_with_a_message():

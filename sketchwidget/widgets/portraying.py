@@ -116,7 +116,6 @@ class Portraying(Tab):
             def tell(name: str, milliseconds: float, result: np.ndarray) -> None:
                 report(_seen(name, milliseconds, result, picture, model))
 
-            # What goes with the shipped model, a network too, is made once; each session has loaded a model of its own.
             return _Built(build(picture, marks, model=model, report=tell), marked)
 
         self._status.say(BUILDING.format("landmarks"))
