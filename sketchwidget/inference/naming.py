@@ -68,6 +68,9 @@ def name_strokes(
         if places[index] == "inside" and index not in outline.strokes
     }
     by_place = _nose(inner, lines) | _eyes_and_brows(inner, lines, "left") | _eyes_and_brows(inner, lines, "right")
+    found = {names[best] for best, one in zip(nearest, distance.min(axis=0), strict=True) if np.isfinite(one)}
+    if not any("mouth" in name for name in found):
+        by_place |= _mouth({index: stroke for index, stroke in inner.items() if index not in by_place}, lines, outline)
 
     def name(index: int) -> str:
         if index in outline.strokes:
@@ -162,4 +165,24 @@ def _nose(strokes: Mapping[int, _Extent], lines: Mapping[str, np.ndarray]) -> di
         if abs(stroke.x - middle) < 0.6 * width
         and eyes < stroke.y < 0.3 * nose[:, 1].max() + 0.7 * mouth
         and 0.3 * width < math.hypot(stroke.width, stroke.height) < 3 * width
+    }
+
+
+def _mouth(strokes: Mapping[int, _Extent], lines: Mapping[str, np.ndarray], outline: Outline) -> dict[int, str]:
+    """The broadest stroke that stands where a mouth does: between the nose and the chin, in the middle."""
+    upper, lower = lines["mouth_upper"], lines["mouth_lower"]
+    width, middle = float(np.ptp(upper[:, 0])), float(upper[:, 0].mean())
+    nose, chin = float(lines["nose"][:, 1].max()), float(outline.points[:, 1].max())
+    there = {
+        index: stroke
+        for index, stroke in strokes.items()
+        if abs(stroke.x - middle) < 0.3 * width
+        and nose < stroke.y < (lower[:, 1].mean() + chin) / 2
+        and max(stroke.height, 0.4 * width) < stroke.width < 2.5 * width
+    }
+    if not there:
+        return {}
+    broadest = max(there, key=lambda index: there[index].width)
+    return {
+        broadest: f"mouth_{'lower' if there[broadest].y > (upper[:, 1].mean() + lower[:, 1].mean()) / 2 else 'upper'}"
     }

@@ -143,7 +143,10 @@ async function render({ model, el }) {
   }
 
   function repaint() {
-    wet.ctx.clearRect(0, 0, wet.canvas.width, wet.canvas.height);
+    const { width, height } = wet.canvas;
+    // In halves: some browsers forget it when a canvas is cleared whole and nothing is drawn after that.
+    wet.ctx.clearRect(0, 0, width, height / 2);
+    wet.ctx.clearRect(0, height / 2, width, height / 2);
     for (const one of waiting.values()) if (one.tool === 0) draw(one, 0);
     if (stroke) stroke.drawn = draw(stroke, 0);
     wet.trigger("new-frame");

@@ -205,6 +205,13 @@ export default () => {
     const zoomable = () => (controls.enableZoom = document.activeElement === host);
     const focus = () => host.focus({ preventScroll: true });
 
+    // A drag with the right button turns or shifts the head; the front end's own menu would open under it.
+    const withoutMenu = (event) => {
+      event.preventDefault();
+      event.stopPropagation();
+    };
+
+    host.addEventListener("contextmenu", withoutMenu);
     host.addEventListener("pointerdown", capture);
     host.addEventListener("pointerup", focus);
     host.addEventListener("focus", zoomable);

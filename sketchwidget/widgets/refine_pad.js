@@ -109,7 +109,9 @@ function render({ model, el }) {
     const size = Math.round(host.clientWidth * (window.devicePixelRatio || 1));
     if (ink.width !== size) ink.width = ink.height = size;
     const ctx = ink.getContext("2d");
-    ctx.clearRect(0, 0, size, size);
+    // In halves: some browsers forget it when a canvas is cleared whole and nothing is drawn after that.
+    ctx.clearRect(0, 0, size, size / 2);
+    ctx.clearRect(0, size / 2, size, size / 2);
     const project = handles.length || border.length ? projector(viewOf(host.sketchwidget.camera)) : null;
     ctx.lineCap = ctx.lineJoin = "round";
     ctx.lineWidth = 0.004 * size;

@@ -32,14 +32,16 @@ FLAGS = [
 ]
 
 
-def launch_chromium(playwright: Playwright) -> Browser:
+def launch_chromium(playwright: Playwright, *flags: str) -> Browser:
     """A headless Chromium: the system's, or else Playwright's own; RuntimeError if there is none."""
     names = ("chromium", "chromium-browser", "google-chrome")
     system = next((path for path in map(shutil.which, names) if path), None)
     own = playwright.chromium.executable_path
     if system is None and not Path(own).exists():
         raise RuntimeError("no Chromium on this machine: `make test` installs one (playwright install chromium)")
-    return playwright.chromium.launch(executable_path=system or own, args=FLAGS, ignore_default_args=["--headless"])
+    return playwright.chromium.launch(
+        executable_path=system or own, args=[*FLAGS, *flags], ignore_default_args=["--headless"]
+    )
 
 
 def write_notebook(folder: Path, name: str, *cells: str) -> str:

@@ -2,8 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from contextlib import closing
+from pathlib import Path
+
 import numpy as np
 import pytest
+from jupyter_page import DEADLINE, launch_chromium, open_in_voila, write_notebook
+from playwright.sync_api import Playwright
 from studio_page import OVAL, StudioPage, until
 
 NOSE = [(0.5, 0.42), (0.47, 0.56), (0.5, 0.58), (0.53, 0.57)]
@@ -119,6 +125,36 @@ def test_clear_by_keyboard_can_be_undone(studio: StudioPage) -> None:
     until(studio.ink_pixels, lambda pixels: pixels == 0, "an empty pad")
     studio.press("Control+z")
     until(studio.ink_pixels, lambda pixels: abs(pixels - ink) < 0.01 * ink, "the ink again")
+
+
+def test_what_is_cleared_is_gone_where_canvases_are_drawn_as_on_a_graphics_card(
+    playwright: Playwright, servers: Callable[..., tuple[str, Path]]
+) -> None:
+    address, folder = servers("voila")
+    notebook = write_notebook(folder, "accelerated", "import sketchwidget as sw\nsw.Studio()")
+    with closing(launch_chromium(playwright, "--use-gl=angle", "--use-angle=swiftshader")) as browser:
+        page = browser.new_page(viewport={"width": 1280, "height": 900})
+        page.set_default_timeout(1000 * DEADLINE)
+        open_in_voila(page, address, notebook)
+        studio = StudioPage(page).wait_until_shown()
+        drawn(studio)
+        studio.press("Delete")
+        until(studio.ink_pixels, lambda pixels: pixels == 0, "an empty pad")
+        studio.press("g")
+        until(studio.ink_pixels, what="the ghost of the head")
+        studio.press("g")
+        until(studio.ink_pixels, lambda pixels: pixels == 0, "an empty pad again")
+
+
+def test_the_front_ends_menu_does_not_open_over_the_head(studio_lab: StudioPage) -> None:
+    menu = studio_lab.page.locator(".lm-Menu:visible")
+    studio_lab.head.click(button="right")
+    studio_lab.page.wait_for_timeout(300)
+    assert menu.count() == 0
+    studio_lab.root.locator(".sketchwidget-message").click(button="right")  # elsewhere it does
+    menu.wait_for()
+    studio_lab.page.keyboard.press("Escape")
+    until(menu.count, lambda count: count == 0, "the menu's end")
 
 
 def test_mirror_drawing_draws_both_sides(studio: StudioPage) -> None:

@@ -108,6 +108,28 @@ def short(name):
     return side[0] + rest[0] if rest and side in ("left", "right") else name.split("_")[0]
 
 
+def test_a_mouth_far_from_where_the_network_sees_one_is_a_mouth_and_not_a_wrinkle(regressor):
+    """A broad, low smile under two lidded eyes: a brow was enough to make a wrinkle of it."""
+
+    def arc(*points):
+        at = np.array(points, dtype=float)
+        return np.stack([np.interp(np.linspace(0, 2, 25), [0, 1, 2], at[:, axis]) for axis in (0, 1)], axis=1)
+
+    angle = np.linspace(-np.pi / 2, 1.5 * np.pi, 60)
+    strokes = [
+        np.stack([0.5 + 0.29 * np.cos(angle), 0.5 + 0.38 * np.sin(angle)], axis=1),
+        *(arc([x, 0.45], [x + 0.07, y], [x + 0.14, 0.45]) for x in (0.3, 0.56) for y in (0.41, 0.47)),
+        arc([0.36, 0.7], [0.51, 0.78], [0.64, 0.7]),
+        arc([0.45, 0.58], [0.5, 0.61], [0.55, 0.58]),
+        arc([0.27, 0.37], [0.36, 0.32], [0.44, 0.36]),
+    ]
+    for count in range(6, len(strokes) + 1):
+        names = regressor.infer(Sketch.from_strokes(strokes[:count])).names
+        assert names[5].startswith("mouth"), f"after {count} strokes: {names}"
+    chin = [0.47, 0.84], [0.5, 0.845], [0.53, 0.84]
+    assert regressor.infer(Sketch.from_strokes([*strokes, arc(*chin)])).names[-1] == "wrinkle"
+
+
 @pytest.mark.parametrize(
     ("drawing", "expected"),
     [
