@@ -20,12 +20,23 @@ def read(path: str | os.PathLike[str]) -> str:
     """
     with open(path, "rb") as file:
         content = file.read(MAX_BYTES + 1)
+    return as_text(content)
+
+
+def as_text(content: bytes) -> str:
+    """The text of a UTF-8 file's content.
+
+    Raises
+    ------
+    ValueError
+        If it is larger than 64 MB or no text.
+    """
     if len(content) > MAX_BYTES:
         raise ValueError(f"larger than {MAX_BYTES // 2**20} MB")
     try:
         return content.decode()
     except UnicodeDecodeError as error:
-        raise ValueError(f"not text: byte {error.start} is no UTF-8") from error
+        raise ValueError(f"it is no text file: byte {error.start} is no UTF-8") from error
 
 
 def write(path: str | os.PathLike[str], text: str) -> None:

@@ -95,7 +95,7 @@ class DrawnLines:
 
 
 def shape_code(model: ShapeModel, points: np.ndarray, drawn: DrawnLines) -> np.ndarray:
-    """Coefficients (p + q,) of a drawing's lines, from a guess of where they are.
+    """A drawing's lines as `ShapeModel.describe` has them (p + q + 2 n,), from a guess of where they are.
 
     Parameters
     ----------
@@ -105,12 +105,13 @@ def shape_code(model: ShapeModel, points: np.ndarray, drawn: DrawnLines) -> np.n
     drawn : DrawnLines
         In that frame.
     """
-    code = np.zeros(model.size, dtype=np.float32)
+    described = np.zeros(model.size + points.size, dtype=np.float32)
     for turn in range(_ROUNDS):
         found, weight = drawn.match(points, settled=turn > 0)
-        code = model.encode(found[None], weight[None])[0]
-        points = model.decode(code[None])[0]
-    return soft_limit(code, *_CODE_LIMIT)
+        described = model.describe(found[None], weight[None])[0]
+        points = model.decode(described[None, : model.size])[0]
+    described[: model.size] = soft_limit(described[: model.size], *_CODE_LIMIT)
+    return described
 
 
 def _middle(points: np.ndarray) -> np.ndarray:

@@ -11,6 +11,8 @@ import torch
 from torch import Tensor, nn
 from torch.nn.utils.fusion import fuse_conv_bn_eval
 
+from .shape_code import POINTS
+
 IMAGE_SIZE = 256
 
 
@@ -34,6 +36,10 @@ class Layout:
         Neurons of each fully connected layer of the branches.
     shape : int
         Neurons in each branch for the shape-level input; with 0 there is no such input.
+    left_over : bool
+        Whether this input holds, beside the coefficients of the lines, what these leave of their points.
+    joined : int
+        Neurons of a layer behind that of the shape-level input and the branch; with 0 the output follows at once.
     branched : bool
         Whether identity and expression have a branch each, or one stack for both.
     """
@@ -45,6 +51,8 @@ class Layout:
     hidden: int = 640
     branch: int = 448
     shape: int = 512
+    left_over: bool = False
+    joined: int = 0
     branched: bool = True
 
     def __post_init__(self) -> None:
@@ -62,7 +70,11 @@ class Layout:
     def tiny(self) -> Layout:
         """The same parts in small, to see them run."""
         small = {name: getattr(TINY, name) for name in ("channels", "blocks", "bottleneck", "hidden", "branch")}
-        return replace(self, **small, shape=min(self.shape, TINY.shape))
+        return replace(self, **small, shape=min(self.shape, TINY.shape), joined=min(self.joined, TINY.shape))
+
+    def differs_in_shape_only(self, other: Layout) -> bool:
+        """Whether a network of another layout is the same up to where the shape-level input joins it."""
+        return replace(other, shape=self.shape, left_over=self.left_over, joined=self.joined) == self
 
     def to_json(self) -> str:
         """The layout as it is kept in a network's file."""
@@ -75,7 +87,7 @@ class Layout:
         return cls(**sizes | {name: tuple(sizes[name]) for name in ("channels", "blocks")})
 
 
-COMPACT = Layout()
+COMPACT = Layout(left_over=True, joined=512)
 PAPER = Layout(convolutions="alexnet", hidden=4096, branch=1024)
 TINY = Layout(channels=(8, 12, 16, 16), blocks=(0, 1, 1, 1), bottleneck=8, hidden=64, branch=48, shape=32)
 
@@ -116,8 +128,9 @@ class PixelShapeCNN(nn.Module):
         super().__init__()
         self.layout, self.sizes = layout, (identity_size, expression_size)
         coefficients = identity_size + expression_size
+        self._described = coefficients + 2 * POINTS * layout.left_over
         if layout.convolutions == "none":
-            self.convolutions, width = None, coefficients
+            self.convolutions, width = None, self._described
         else:
             build = _alexnet if layout.convolutions == "alexnet" else _residual
             self.convolutions, width = build(layout)
@@ -130,9 +143,9 @@ class PixelShapeCNN(nn.Module):
         self.shape_layers = self.shape_outputs = None
         if self.convolutions is not None and layout.shape:
             self.shape_layers = nn.ModuleList(
-                nn.Sequential(nn.Linear(coefficients, layout.shape), nn.ReLU(inplace=True)) for _ in outputs
+                nn.Sequential(nn.Linear(self._described, layout.shape), nn.ReLU(inplace=True)) for _ in outputs
             )
-            self.shape_outputs = nn.ModuleList(nn.Linear(layout.branch + layout.shape, size) for size in outputs)
+            self.shape_outputs = nn.ModuleList(_output(layout, size) for size in outputs)
 
     def folded(self) -> PixelShapeCNN:
         """The same network for inference only, each batch normalisation folded into the convolution before it."""
@@ -147,8 +160,8 @@ class PixelShapeCNN(nn.Module):
         return network
 
     def features(self, inputs: Tensor) -> list[Tensor]:
-        """What each branch makes of images (b, 1, 256, 256) with ink as 1, or of codes if there are no convolutions."""
-        seen = inputs if self.convolutions is None else self.convolutions(inputs).flatten(1)
+        """What each branch makes of images (b, 1, 256, 256) with ink as 1, or of lines if there are no convolutions."""
+        seen = inputs[:, : self._described] if self.convolutions is None else self.convolutions(inputs).flatten(1)
         shared = self.shared(seen)
         return [branch(shared) for branch in self.branches]
 
@@ -156,8 +169,8 @@ class PixelShapeCNN(nn.Module):
         """Standardised identity (b, p) and expression (b, q) weights of the pixels alone."""
         return self._split([output(feature) for output, feature in zip(self.outputs, features, strict=True)])
 
-    def with_shape(self, features: list[Tensor], codes: Tensor) -> tuple[Tensor, Tensor]:
-        """The same of pixels and of shape codes (b, p + q) together.
+    def with_shape(self, features: list[Tensor], lines: Tensor) -> tuple[Tensor, Tensor]:
+        """The same of pixels and of lines together, as `ShapeModel.describe` has them (b, p + q + 2 n).
 
         Raises
         ------
@@ -167,18 +180,18 @@ class PixelShapeCNN(nn.Module):
         if self.shape_layers is None or self.shape_outputs is None:
             raise ValueError("this network sees pixels only: its layout has no shape-level input")
         joined = [
-            torch.cat([feature, layer(codes)], dim=1)
+            torch.cat([feature, layer(lines[:, : self._described])], dim=1)
             for feature, layer in zip(features, self.shape_layers, strict=True)
         ]
         return self._split([output(feature) for output, feature in zip(self.shape_outputs, joined, strict=True)])
 
-    def forward(self, images: Tensor, codes: Tensor) -> list[tuple[Tensor, Tensor]]:
+    def forward(self, images: Tensor, lines: Tensor) -> list[tuple[Tensor, Tensor]]:
         """Identity and expression weights of each of the network's answers: of the pixels, and with the shape."""
         if self.convolutions is None:
-            return [self.from_pixels(self.features(codes))]
+            return [self.from_pixels(self.features(lines))]
         features = self.features(images)
         answers = [self.from_pixels(features)]
-        return answers if self.shape_layers is None else [*answers, self.with_shape(features, codes)]
+        return answers if self.shape_layers is None else [*answers, self.with_shape(features, lines)]
 
     def _split(self, outputs: list[Tensor]) -> tuple[Tensor, Tensor]:
         identity, expression = outputs if len(outputs) == 2 else outputs[0].split(self.sizes, dim=1)
@@ -230,6 +243,15 @@ def _alexnet(_: Layout) -> tuple[nn.Sequential, int]:
         nn.MaxPool2d(3, stride=2),
     )
     return layers, 256 * 7 * 7
+
+
+def _output(layout: Layout, size: int) -> nn.Module:
+    """What follows where the shape-level input has joined a branch."""
+    if not layout.joined:
+        return nn.Linear(layout.branch + layout.shape, size)
+    return nn.Sequential(
+        nn.Linear(layout.branch + layout.shape, layout.joined), nn.ReLU(inplace=True), nn.Linear(layout.joined, size)
+    )
 
 
 def _stack(width: int, neurons: int, depth: int) -> nn.Sequential:

@@ -234,8 +234,8 @@ class FaceRegressor:
         Parameters
         ----------
         images : (b, 256, 256) bool array
-        codes : (b, p + q) array, optional
-            Of their lines, from the shape model; without it only the pixels count.
+        codes : (b, p + q + 2 n) array, optional
+            Of their lines, as `ShapeModel.describe` has them; without it only the pixels count.
 
         Returns
         -------

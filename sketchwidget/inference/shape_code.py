@@ -17,8 +17,10 @@ _OUTLINE_POINTS = 60
 _LINE_POINTS = 12
 _NOISE = 0.005  # canvas units by which drawn lines stray: how much the points count against the prior
 _ROUNDS = 3
+_LEFT_OVER = 4.0  # times that noise: further off, a point is not the line's
 
 COUNTS = {name: _OUTLINE_POINTS if name == SILHOUETTE else _LINE_POINTS for name in LINES}
+POINTS = sum(COUNTS.values())
 
 
 def sample(lines: Mapping[str, np.ndarray]) -> np.ndarray:
@@ -108,6 +110,22 @@ class ShapeModel:
             rest = target - by_expression @ self.expression_mean
             expression = _most_likely(by_expression * self.expression_std, rest, weight)
         return np.concatenate([identity, expression], axis=1)
+
+    def describe(self, points: np.ndarray, seen: np.ndarray) -> np.ndarray:
+        """Coefficients of drawings and, after them, what these leave of the points: (b, p + q + 2 n) float32.
+
+        Parameters as `encode` has them.
+        """
+        codes = self.encode(points, seen)
+        return np.concatenate([codes, self.left_over(codes, points, seen)], axis=1)
+
+    def left_over(self, codes: np.ndarray, points: np.ndarray, seen: np.ndarray) -> np.ndarray:
+        """How far points are from where coefficients (b, p + q) have them: (b, 2 n), in units of the noise of drawing.
+
+        Parameters otherwise as `encode` has them; what is not seen is 0.
+        """
+        off = np.where(seen[..., None] > 0, seen[..., None] * (points - self.decode(codes)), 0.0) / _NOISE
+        return np.clip(off, -_LEFT_OVER, _LEFT_OVER).reshape(len(codes), -1).astype(np.float32)
 
     def decode(self, codes: np.ndarray) -> np.ndarray:
         """Points (b, n, 2) of coefficients (b, p + q)."""

@@ -104,7 +104,10 @@ def network(
     variant: Annotated[str, typer.Option(help="A row of Table 2: PixelShapeCNN, PixelCNN, ShapeNN, ...")] = (
         "PixelShapeCNN"
     ),
-    steps: Annotated[int, typer.Option(min=1, help="Batches of 32 drawings.")] = 15_000,
+    steps: Annotated[int, typer.Option(min=0, help="Batches of 32 drawings.")] = 15_000,
+    looked_at: Annotated[
+        int, typer.Option(min=0, help="Batches more, of which what joins lines and pixels learns again and again.")
+    ] = 0,
     drawings: Annotated[Path | None, typer.Option(help="Drawings by people, to train on too.")] = None,
     in_three_steps: Annotated[
         bool, typer.Option("--in-three-steps", help="As in the paper: classes, then weights, then faces.")
@@ -130,13 +133,14 @@ def network(
     pipeline.train_network(
         out,
         _command(),
-        Schedule(steps=6, batch=4, checkpoint=2) if tiny else Schedule(steps=steps),
+        Schedule(steps=min(steps, 6), batch=4, checkpoint=2) if tiny else Schedule(steps=steps),
         chosen.layout.tiny() if tiny else chosen.layout,
         chosen.variety,
         people,
         workers=int(not tiny),
         in_three_steps=in_three_steps,
         start=start,
+        looked_at=looked_at,
     )
     if out.exists():  # the first of several processes writes it
         typer.echo(f"{out}: {out.stat().st_size / 1e6:.1f} MB")

@@ -87,7 +87,7 @@ def inferred(regressor: FaceRegressor, tests: TestSet, with_shape: bool) -> Weig
         codes = None
         if with_shape and regressor.shape_model is not None:
             points, seen = np.stack([one.points for one in drawn]), np.stack([one.seen for one in drawn])
-            codes = regressor.shape_model.encode(points, seen)
+            codes = regressor.shape_model.describe(points, seen)
         found.append(regressor.weights(np.stack([one.image for one in drawn]), codes))
     identities, expressions = (np.concatenate(parts) for parts in zip(*found, strict=True))
     return identities, expressions

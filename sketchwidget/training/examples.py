@@ -96,8 +96,8 @@ class Batch(NamedTuple):
     Parameters
     ----------
     images : (b, 1, 256, 256) bool array
-    shapes : (b, p + q) array
-        Shape codes of their lines.
+    shapes : (b, p + q + 2 n) array
+        Their lines, as `ShapeModel.describe` has them.
     codes : (b, k) array
         Of their faces, in the model's components.
     poses : (b, q) array
@@ -113,7 +113,35 @@ class Batch(NamedTuple):
     people: np.ndarray
 
 
-class Examples(IterableDataset):
+class Batches(IterableDataset):
+    """Batches without end. Every one has a number and by it a seed of its own: training resumes where it was.
+
+    Parameters
+    ----------
+    seed : int
+    start : int
+        Number of batches already seen.
+    stride : int
+        Of every so many batches this takes one: the number of processes that train together.
+    """
+
+    def __init__(self, seed: int, start: int = 0, stride: int = 1) -> None:
+        self.seed, self.start, self.stride = seed, start, stride
+
+    def __iter__(self) -> Iterator[Batch]:
+        worker = get_worker_info()
+        first, step = (0, 1) if worker is None else (worker.id, worker.num_workers)
+        number = self.start + self.stride * first
+        while True:
+            yield self.numbered(number)
+            number += self.stride * step
+
+    def numbered(self, number: int) -> Batch:
+        """Batch `number`."""
+        raise NotImplementedError
+
+
+class Examples(Batches):
     """Batches of sketches with their shape codes, the codes and the expression weights of their faces.
 
     Parameters
@@ -128,10 +156,6 @@ class Examples(IterableDataset):
     variety : Variety
     batch : int
     seed : int
-    start : int
-        Number of batches already seen; every batch has a seed of its own, so that training resumes where it was.
-    stride : int
-        Of every so many batches this takes one: the number of processes that train together.
     reshaping : Reshaping, optional
         Gives half of the freehand drawings' faces other proportions than the table's.
     people : DrawnExamples, optional
@@ -148,13 +172,11 @@ class Examples(IterableDataset):
         variety: Variety,
         batch: int,
         seed: int,
-        start: int = 0,
-        stride: int = 1,
         reshaping: Reshaping | None = None,
         people: DrawnExamples | None = None,
     ) -> None:
-        self.table, self.variety, self.batch, self.seed = table, variety, batch, seed
-        self.start, self.stride = start, stride
+        super().__init__(seed)
+        self.table, self.variety, self.batch = table, variety, batch
         self._kept = kept
         self._is_kept = np.zeros(table.codes.shape[0] * len(expressions), dtype=bool)
         self._is_kept[kept] = True
@@ -169,19 +191,11 @@ class Examples(IterableDataset):
         self._shape_model, self._reshaping, self._people = shape_model, reshaping, people
         self._manners, self._shares = list(variety.manners), list(variety.manners.values())
 
-    def __iter__(self) -> Iterator[Batch]:
-        worker = get_worker_info()
-        first, step = (0, 1) if worker is None else (worker.id, worker.num_workers)
-        number = self.start + self.stride * first
-        while True:
-            yield self.numbered(number)
-            number += self.stride * step
-
     def numbered(self, number: int) -> Batch:
         """Batch `number`."""
         random = np.random.default_rng([self.seed, number])
         drawn, codes, poses, people = zip(*(self.example(random) for _ in range(self.batch)), strict=True)
-        shapes = self._shape_model.encode(
+        shapes = self._shape_model.describe(
             np.stack([one.points for one in drawn]), np.stack([one.seen for one in drawn])
         )
         images = np.stack([one.image for one in drawn])[:, None]

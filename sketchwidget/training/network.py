@@ -21,7 +21,7 @@ from tqdm import tqdm
 from ..inference.network import PixelShapeCNN
 from .checkpoint import Checkpoints
 from .curve import Curve
-from .examples import Examples
+from .examples import Batches
 from .tasks import Task
 from .team import Team
 
@@ -77,12 +77,12 @@ class Schedule:
 
 def train(
     task: Task,
-    examples: Examples,
+    examples: Batches,
     schedule: Schedule,
     folder: Path,
     workers: int = 1,
     about: str = "",
-    unseen: Examples | None = None,
+    unseen: Batches | None = None,
 ) -> PixelShapeCNN:
     """Train the network of a task, or go on from the last checkpoint in `folder`; gives it with averaged weights.
 
@@ -106,7 +106,7 @@ def train(
     examples.start, examples.stride = done * team.size + team.rank, team.size
     ahead = 4 if workers else None
     loader = DataLoader(
-        examples, batch_size=None, num_workers=workers, prefetch_factor=ahead, worker_init_fn=_use_one_thread
+        examples, batch_size=None, num_workers=workers, prefetch_factor=ahead, worker_init_fn=use_one_thread
     )
     batches = iter(loader)
     curves = [Curve(folder / name, [*task.columns], done) for name in _CURVES] if team.leads else []
@@ -143,7 +143,8 @@ def train(
 
 def _on_device(batch: Iterable[Any], device: torch.device) -> list[Tensor]:
     images, *others = (torch.as_tensor(values).to(device) for values in batch)
-    return [images.to(torch.float32).contiguous(memory_format=torch.channels_last), *others]
+    layout = torch.channels_last if images.ndim == 4 else torch.contiguous_format
+    return [images.to(torch.float32).contiguous(memory_format=layout), *others]
 
 
 def _tested(task: nn.Module, batch: list[Tensor]) -> list[float]:
@@ -156,6 +157,6 @@ def _tested(task: nn.Module, batch: list[Tensor]) -> list[float]:
     return [value.item() for value in told]
 
 
-def _use_one_thread(_: int) -> None:
+def use_one_thread(_: int) -> None:
     """NumPy in a worker leaves the other cores to the network."""
     threadpool_limits(1)

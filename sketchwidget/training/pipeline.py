@@ -23,15 +23,17 @@ from ..inference.shape_code import ShapeModel
 from .drawings import DrawnExamples
 from .examples import Examples, Variety
 from .face_table import FaceTable, tabulate, vertex_metric
+from .looked_at import Again, LookedAt
 from .manners import Manner
 from .network import Schedule, train
 from .reshaping import Reshaping
 from .shape_model import build_shape_model
 from .standard import standardisation, standardised_pose
-from .tasks import Classes, Faces, Task, Weights, standardised_identities
+from .tasks import Classes, Faces, Joining, Task, Weights, standardised_identities
 from .team import Team
 
 SEED = 7
+_AGAIN, _LARGE = 20, 256  # times that drawings looked at are seen, and how many of them are a batch
 _FIRST_STEPS = (5, 8)  # of 18: 500,000 and 800,000 of the paper's 1,800,000 iterations
 # Drawings that a training is followed by: the paper's augmentation, of faces as they are.
 _TEST = Variety(manners={Manner.AUGMENTED: 1.0}, mixed=0.0, blended=0.0)
@@ -126,6 +128,7 @@ class Pipeline:
         workers: int = 1,
         in_three_steps: bool = False,
         start: Path | None = None,
+        looked_at: int = 0,
     ) -> None:
         """Train a network, or go on with it, and write it to `out`; one of a team of processes does its part.
 
@@ -133,6 +136,9 @@ class Pipeline:
 
         In three steps it is trained as in the paper's 4.4: of the schedule's steps, so many parts of 18 go to the
         classes and to the weights as of the paper's 1.8 million iterations. Otherwise all go to the vertex loss.
+
+        At last, of `looked_at` batches of further drawings the layers in which lines join pixels learn again: what is
+        before them stays, and they see each of these drawings `_AGAIN` times.
         """
         team, model, variety = Team.join(), self.database.model, variety or Variety()
         torch.manual_seed(SEED)
@@ -153,7 +159,19 @@ class Pipeline:
             network.requires_grad_(True)
             schedule = replace(schedule, steps=schedule.steps - classes - weights)
         task = Faces(network, model, vertex_metric(model))
-        network = train(task, examples, schedule, folder, workers, about, unseen)
+        if schedule.steps:
+            network = train(task, examples, schedule, folder, workers, about, unseen)
+        if looked_at:
+            about += f"{schedule.steps} steps, then {looked_at} batches "
+            again = Schedule(max(1, looked_at * schedule.batch * _AGAIN // _LARGE), _LARGE, rate=1e-3)
+            folder.mkdir(parents=True, exist_ok=True)
+            drawings = folder / f"looked-at-{hashlib.sha256(about.encode()).hexdigest()[:8]}.npz"
+            with team.leader_first():
+                if not drawings.exists():
+                    examples.start = schedule.steps
+                    LookedAt.by(network, examples, looked_at, 2 * workers).save(drawings)
+            joining, seen = Joining(network, model, vertex_metric(model)), Again(LookedAt.load(drawings), _LARGE, SEED)
+            network = train(joining, seen, again, folder / "joining", 0, about)
         if team.leads:
             made = provenance(command, ("torch", "numpy", "opencv-python-headless")) | self.database.origin | origin
             save_network(out, network, standardisation(model), self.shape_model, model, made)
@@ -162,13 +180,17 @@ class Pipeline:
 def _begin_with(start: Path, network: PixelShapeCNN) -> dict[str, str]:
     """Give a network the weights of another one in a file; what is to be said of it in the header.
 
+    Where the shape-level input joins them in another way, that begins with random weights.
+
     Raises
     ------
     ValueError
-        As `read_network` does, or if the layout is another one.
+        As `read_network` does, or if the layout is another one otherwise.
     """
     stored = read_network(start).network
-    if (stored.layout, stored.sizes) != (network.layout, network.sizes):
+    if stored.sizes != network.sizes or not stored.layout.differs_in_shape_only(network.layout):
         raise ValueError(f"{start} has another layout than the network to train: name the same --variant")
-    network.load_state_dict(stored.state_dict())
+    same = stored.layout == network.layout
+    weights = {name: value for name, value in stored.state_dict().items() if same or not name.startswith("shape_")}
+    network.load_state_dict(weights, strict=same)
     return {"started from": hashlib.sha256(start.read_bytes()).hexdigest()}

@@ -67,8 +67,11 @@ class Faces(Task):
 
     def forward(self, images: Tensor, shapes: Tensor, codes: Tensor, poses: Tensor, people: Tensor) -> list[Tensor]:
         """The sum over the answers, then the vertex loss of each, mm."""
-        total, told = images.new_zeros(()), []
-        for identity, expression in self._answers(images, shapes):
+        return self._losses(self._answers(images, shapes), codes, poses)
+
+    def _losses(self, answers: list[tuple[Tensor, Tensor]], codes: Tensor, poses: Tensor) -> list[Tensor]:
+        total, told = codes.new_zeros(()), []
+        for identity, expression in answers:
             vertex = self.loss(identity, expression, codes)
             # So that a broad jaw is somebody's jaw, and no puffed cheeks, though their vertices may be as near.
             pose = _POSE_WEIGHT * (expression - poses).square().mean()
@@ -77,6 +80,36 @@ class Faces(Task):
             total = total + vertex + pose + prior
             told.append(vertex)
         return [total, *told]
+
+
+class Joining(Faces):
+    """The same of the answer with the shape alone, from features in place of images: all before them stays.
+
+    Parameters
+    ----------
+    network : PixelShapeCNN
+    model : FaceModel
+    metric : (k, k) array
+        See `vertex_metric`.
+    """
+
+    columns = ("shape",)
+
+    def __init__(self, network: PixelShapeCNN, model: FaceModel, metric: np.ndarray) -> None:
+        super().__init__(network, model, metric)
+        self.columns = Joining.columns
+        network.requires_grad_(False)
+        for layers in (network.shape_layers, network.shape_outputs):
+            if layers is None:
+                raise ValueError("this network sees pixels only: nothing joins them")
+            layers.requires_grad_(True)
+
+    def forward(self, images: Tensor, shapes: Tensor, codes: Tensor, poses: Tensor, people: Tensor) -> list[Tensor]:
+        """The loss, then the vertex loss in it, mm; `images` are the features (b, f) of the branches."""
+        branches = images.split(self.network.layout.branch, dim=1)
+        with torch.autocast(images.device.type, torch.bfloat16):
+            identity, expression = self.network.with_shape(list(branches), shapes)
+        return self._losses([(identity.float(), expression.float())], codes, poses)
 
 
 class Classes(Task):

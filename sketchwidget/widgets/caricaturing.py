@@ -44,11 +44,17 @@ class Caricaturing(Tab):
     def __init__(self, *shared: Any) -> None:
         super().__init__(*shared)
         self._fitted: _Fitted | None = None
+        self._fitting = False
         self._worker = Worker(self._on_fit, self._on_failure)
         pose = toolbar.button("pose")
         pose.on_click(lambda _: self.look())
         views = toolbar.bar((pose,)).add_class("sketchwidget-views")
         self.bar = HBox([views, toolbar.bar((self._take,))])
+
+    @property
+    def expected(self) -> str:
+        """What to do next, as a sentence; while the head of a picture is awaited, that it is."""
+        return FITTING if self._fitting else super().expected
 
     def enter(self) -> None:
         """Follow the landmarks from now on, and turn the head as the picture shows it."""
@@ -67,6 +73,7 @@ class Caricaturing(Tab):
 
     def _follow(self, marked: Marked, done: bool) -> None:
         landmarks, fitted = marked.landmarks, self._fitted
+        self._fitting = False
         if landmarks is None:
             self._worker.drop()
             self._fitted = None
@@ -77,6 +84,7 @@ class Caricaturing(Tab):
             self._renew(passing=False)
             return
         if done:
+            self._fitting = True
             self._status.say(FITTING)
             start, model = None, self._model_of()
         elif fitted is None:
@@ -92,6 +100,7 @@ class Caricaturing(Tab):
         self._worker.do(job)
 
     def _on_fit(self, fitted: _Fitted) -> None:
+        self._fitting = False
         another = self._fitted is None or self._fitted.marked.picture is not fitted.marked.picture
         self._fitted, self.timings = fitted, {"fit": fitted.milliseconds}
         if another:
@@ -104,6 +113,7 @@ class Caricaturing(Tab):
             self._status.say(FITTED.format(100 * fitted.fit.rmse / eyes), self.expected)
 
     def _on_failure(self, error: Exception) -> None:
+        self._fitting = False
         if self._active:  # else it fails again, and is told, once the tab is on show
             self._status.fail(f"There is no head for these landmarks, the one before is kept: {sentence(error)}")
 

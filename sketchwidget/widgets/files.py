@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from ..face import Face
 from ..face.texture import TexturedFace
+from ..files.textfile import as_text
 from ..session import Session
 from . import toolbar
 from .download import Downloads
@@ -77,7 +78,7 @@ class Files:
         """Show the session of a file's content; what is wrong with it is told. ``then()`` is said after that."""
         with self._status.reporting(f"{name} was not loaded, the drawing is kept"):
             session = self._session_of()
-            loaded = session.another(content.decode())
+            loaded = session.another(as_text(content))
             self._loaded = (session, loaded, len(loaded.events))
             self._show_session(loaded)
             self._status.say(f"{name} is loaded; undo brings the former drawing back.", then())

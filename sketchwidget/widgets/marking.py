@@ -215,7 +215,10 @@ class Marking:
         """A picture with the marks of its largest face, or of one by its number from the left, and what to say."""
         nothing = Marked(picture)
         if self._detector is None and missing():
-            return nothing, "The models that find faces are not here (`sketchwidget models`)."
+            return (
+                nothing,
+                "Faces are not found by themselves yet (fetch the models: `sketchwidget models`).",
+            )
         detector = self._detector or MediaPipeDetector()
         try:
             boxes = detector.faces(picture)

@@ -72,7 +72,7 @@ def expected_next(sketch: Sketch, mode: str = "initial", gap: Gap | None = None)
     if not parts:
         return "Redraw any line, or turn the head with a drag."
     *most, last = parts
-    return f"Still to draw: {', '.join(most)}{' and ' if most else ''}{last}, in any order."
+    return f"Still to draw: {', '.join(most)} and {last}, in any order." if most else f"Still to draw: {last}."
 
 
 def missing(sketch: Sketch) -> list[str]:

@@ -158,8 +158,9 @@ def test_the_code_of_a_drawing_is_found_from_a_guess(true):
     lines = split_lines(model.decode(wanted)[0])
     strokes = [np.concatenate([lines[SILHOUETTE], lines[SILHOUETTE][:1]]), lines["mouth_upper"], lines["mouth_lower"]]
     code = shape_code(model, POINTS, DrawnLines(strokes, [SILHOUETTE, "mouth_upper", "mouth_lower"]))
-    assert code.shape == (3,) and code.dtype == np.float32
+    assert code.shape == (3 + POINTS.size,) and code.dtype == np.float32
     np.testing.assert_allclose(code[:2], true, atol=0.15)
+    assert np.abs(code[3:]).max() < 1  # the lines are the model's: nothing is left but noise
 
 
 def test_a_drawing_of_unknown_strokes_has_the_code_of_none():

@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 from torch import nn
 
 from sketchwidget.inference.network import IMAGE_SIZE, PAPER, TINY, Layout, PixelShapeCNN
+from sketchwidget.inference.shape_code import POINTS
 from sketchwidget.training.variants import VARIANTS
 
 SIZES = (50, 16)
@@ -19,13 +20,13 @@ SMALL = {"channels": TINY.channels, "blocks": TINY.blocks, "bottleneck": 8, "hid
 def small(name):
     """The layout of a variant with few neurons."""
     layout = VARIANTS[name].layout
-    return replace(layout, **SMALL, shape=min(layout.shape, 32))
+    return replace(layout, **SMALL, shape=min(layout.shape, 32), joined=min(layout.joined, 32))
 
 
 @pytest.fixture
 def batch():
     torch.manual_seed(1)
-    return (torch.rand(2, 1, IMAGE_SIZE, IMAGE_SIZE) < 0.05).float(), torch.randn(2, sum(SIZES))
+    return (torch.rand(2, 1, IMAGE_SIZE, IMAGE_SIZE) < 0.05).float(), torch.randn(2, sum(SIZES) + 2 * POINTS)
 
 
 def linear(layers):
@@ -96,6 +97,16 @@ def test_pixels_are_answered_alone_and_with_the_shape(batch):
         torch.testing.assert_close(ours, theirs)
 
 
+@pytest.mark.parametrize("name", ["PixelShapeCNN", "ShapeNN", "AlexNet"])
+def test_what_coefficients_leave_of_the_points_counts_where_a_layout_takes_it(name, batch):
+    network, (images, lines) = PixelShapeCNN(*SIZES, small(name)).eval(), batch
+    moved = lines.clone()
+    moved[:, sum(SIZES) :] += 1
+    (*_, (identity, expression)), (*_, (other, otherwise)) = network(images, lines), network(images, moved)
+    same = torch.equal(identity, other) and torch.equal(expression, otherwise)
+    assert same == (not network.layout.left_over) == (name == "AlexNet")
+
+
 def test_a_network_of_lines_alone_does_not_look_at_the_pixels(batch):
     network, (images, codes) = PixelShapeCNN(*SIZES, small("ShapeNN")).eval(), batch
     ((identity, _),), ((other, _),) = network(images, codes), network(1 - images, codes)
@@ -160,6 +171,8 @@ stages = st.lists(st.integers(0, 512), min_size=1, max_size=5).map(tuple)
         hidden=sizes,
         branch=sizes,
         shape=sizes,
+        left_over=st.booleans(),
+        joined=st.integers(0, 4096),
         branched=st.booleans(),
     )
 )

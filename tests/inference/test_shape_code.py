@@ -126,3 +126,25 @@ def test_sampled_points_of_a_line_are_its_ends_and_evenly_between(length):
     at = sample_indices(length)
     assert (at[0], at[-1]) == (0, length - 1) and len(at) == 12
     assert np.abs(np.diff(at) - (length - 1) / 11).max() <= 1
+
+
+@given(seeds)
+@settings(max_examples=20)
+def test_coefficients_and_what_they_leave_give_the_points(seed):
+    _, points = drawn(seed)
+    points = points + np.random.default_rng(seed).normal(0, 0.003, points.shape)
+    seen = np.tile(EVERYTHING, (3, 1))
+    seen[:, ::7] = 0
+    described = MODEL.describe(points, seen)
+    code, left = described[:, : MODEL.size], described[:, MODEL.size :].reshape(points.shape)
+    np.testing.assert_array_equal(code, MODEL.encode(points, seen))
+    assert not left[seen == 0].any()
+    back = MODEL.decode(code) + 0.005 * left
+    np.testing.assert_allclose(back[seen > 0], points[seen > 0], atol=1e-5)
+
+
+def test_a_point_far_off_counts_no_more_than_one_that_strays_a_little_more():
+    _, points = drawn(0)
+    points[0, 5] += 3.0
+    left = MODEL.describe(points, np.tile(EVERYTHING, (3, 1)))[:, MODEL.size :]
+    assert np.abs(left).max() == 4.0

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from torch.utils.data import DataLoader
 
+from sketchwidget.inference.shape_code import POINTS
 from sketchwidget.sketch import SILHOUETTE
 from sketchwidget.sketch.hand import Hand
 from sketchwidget.training.examples import Examples, Variety, noisy_view
@@ -28,11 +29,13 @@ def poses(database):
 def make(pipeline, poses):
     """Makes examples of the small database."""
 
-    def make(variety=None, batch=3, seed=5, **others):
+    def make(variety=None, batch=3, seed=5, start=0, stride=1, **others):
         table, kept = others.pop("table", pipeline.table), others.pop("kept", pipeline.kept)
         expressions = others.pop("expressions", pipeline.database.model.expressions)
         variety = variety or Variety()
-        return Examples(table, kept, expressions, poses, pipeline.shape_model, variety, batch, seed, **others)
+        made = Examples(table, kept, expressions, poses, pipeline.shape_model, variety, batch, seed, **others)
+        made.start, made.stride = start, stride
+        return made
 
     return make
 
@@ -47,7 +50,7 @@ def rows_of(codes, table):
 def test_a_batch_has_images_shapes_codes_and_poses(database, pipeline, make):
     images, shapes, codes, poses, people = make().numbered(0)
     assert images.shape == (3, 1, 256, 256) and images.dtype == bool
-    assert shapes.shape == (3, pipeline.shape_model.size) and shapes.dtype == np.float32
+    assert shapes.shape == (3, pipeline.shape_model.size + 2 * POINTS) and shapes.dtype == np.float32
     assert codes.shape == (3, len(database.model.bilinear.core)) and codes.dtype == np.float32
     assert poses.shape == (3, 3) and poses.dtype == np.float32
     assert people.shape == (3,) and (people >= 0).all()

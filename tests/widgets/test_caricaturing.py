@@ -53,6 +53,18 @@ def shown(studio):
     return studio._head._face
 
 
+def test_whoever_comes_to_the_tab_is_told_that_the_head_is_being_fitted(studio, landmarks, monkeypatch):
+    studio._mode.value = "portrait"
+    studio.marking.open(PICTURE, "someone.png")
+    studio.marking.place(landmarks)
+    worker, jobs = studio._tabs["caricature"]._worker, []
+    monkeypatch.setattr(worker, "do", jobs.append)
+    studio._mode.value = "caricature"
+    assert studio._status.message.endswith(caricaturing.FITTING)
+    worker._answer(jobs[-1])
+    assert studio._status.message.startswith("The head meets the landmarks")
+
+
 def test_the_tab_shows_the_session_s_head_until_there_are_landmarks(studio):
     drawn = shown(studio)
     studio._mode.value = "caricature"

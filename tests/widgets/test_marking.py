@@ -83,7 +83,7 @@ def test_without_models_the_status_says_how_to_get_them(monkeypatch):
     monkeypatch.setattr(room, "missing", lambda: ["face_detection"])
     made = Marking(Status())
     made.open(PICTURE)
-    assert "(`sketchwidget models`). Click the outer corners of both eyes" in made._status.message
+    assert "`sketchwidget models`). Click the outer corners of both eyes" in made._status.message
 
 
 def test_a_detector_that_fails_leaves_the_picture_and_the_clicks():

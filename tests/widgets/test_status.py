@@ -17,6 +17,13 @@ def test_what_is_drawn_is_not_asked_for_again():
     assert expected_next(sketch) == "Still to draw: brows, nose and mouth, in any order."
 
 
+def test_of_one_line_no_order_is_said():
+    sketch = Sketch(())
+    for name in ("silhouette", "left_brow", "left_eye_upper", "nose"):
+        sketch = sketch.with_segment(name, DOT)
+    assert expected_next(sketch) == "Still to draw: mouth."
+
+
 def test_a_whole_face_asks_for_nothing():
     sketch = Sketch(())
     for name in ("silhouette", "left_brow", "left_eye_upper", "nose", "mouth_upper"):

@@ -1,0 +1,95 @@
+"""Drawings that a network has looked at: what its branches make of them, once, for the layers behind to see often."""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from zipfile import BadZipFile
+
+import numpy as np
+import torch
+from torch.utils.data import DataLoader
+from tqdm import tqdm
+
+from ..inference.network import PixelShapeCNN
+from .examples import Batch, Batches, Examples
+from .network import use_one_thread
+
+
+@dataclass(frozen=True)
+class LookedAt:
+    """Examples, features of the branches in place of their images.
+
+    Parameters
+    ----------
+    features : (n, f) float16 array
+        Those of one branch after the other.
+    shapes : (n, p + q + 2 n) float16 array
+    codes : (n, k) float32 array
+    poses : (n, q) float32 array
+        As `Batch` has them.
+    """
+
+    features: np.ndarray
+    shapes: np.ndarray
+    codes: np.ndarray
+    poses: np.ndarray
+
+    @classmethod
+    def by(cls, network: PixelShapeCNN, examples: Examples, batches: int, workers: int) -> LookedAt:
+        """So many batches of examples, as a network sees them."""
+        network = network.folded().to(torch.bfloat16, memory_format=torch.channels_last)  # pyright: ignore[reportCallIssue]
+        loader = DataLoader(
+            examples, batch_size=None, num_workers=workers, worker_init_fn=use_one_thread if workers else None
+        )
+        parts: list[tuple[np.ndarray, ...]] = []
+        with torch.inference_mode():
+            for _, batch in zip(tqdm(range(batches), desc="drawings", unit="batch"), loader, strict=False):
+                images, shapes, codes, poses, _ = (torch.as_tensor(values) for values in batch)
+                features = torch.cat(network.features(images.to(torch.bfloat16)), dim=1)
+                parts.append((features.half().numpy(), shapes.half().numpy(), codes.numpy(), poses.numpy()))
+        return cls(*(np.concatenate(part) for part in zip(*parts, strict=True)))
+
+    def save(self, path: Path) -> None:
+        """Write them to a file (.npz)."""
+        unfinished = path.with_suffix(".part.npz")
+        np.savez(unfinished, **asdict(self))
+        unfinished.replace(path)
+
+    @classmethod
+    def load(cls, path: Path) -> LookedAt:
+        """Those of a file.
+
+        Raises
+        ------
+        ValueError
+            If it is damaged.
+        """
+        try:
+            with np.load(path) as stored:
+                return cls(**stored)
+        except (BadZipFile, EOFError, TypeError, ValueError) as error:
+            raise ValueError(f"{path} is damaged; remove it to make it anew: {error}") from error
+
+
+class Again(Batches):
+    """Batches drawn at random of what was looked at.
+
+    Parameters
+    ----------
+    drawings : LookedAt
+    batch : int
+    seed : int
+    """
+
+    def __init__(self, drawings: LookedAt, batch: int, seed: int) -> None:
+        super().__init__(seed)
+        self._drawings, self._batch = drawings, batch
+
+    def numbered(self, number: int) -> Batch:
+        """Batch `number`."""
+        drawings = self._drawings
+        rows = np.random.default_rng([self.seed, number]).integers(len(drawings.codes), size=self._batch)
+        nobody = np.full(self._batch, -1)
+        features, shapes = drawings.features[rows].astype(np.float32), drawings.shapes[rows].astype(np.float32)
+        return Batch(features, shapes, drawings.codes[rows], drawings.poses[rows], nobody)
