@@ -10,6 +10,7 @@ from typing import NamedTuple
 import numpy as np
 from torch.utils.data import IterableDataset, get_worker_info
 
+from ..face.exaggeration import LEVELS
 from ..geometry.view import View
 from ..inference.shape_code import ShapeModel
 from ..sketch.hand import PARTS, Hand
@@ -21,6 +22,7 @@ from .reshaping import Reshaping
 # How often expressions are drawn, others once: people draw jaws, not puffed cheeks, and by hand mostly faces at rest.
 _RARE = {"cheek_puff": 0.2, "blowfish": 0.2}
 _BY_HAND = _RARE | {"neutral": 8.0, "smile": 3.0}
+_LEVELS_BY_HAND = np.array([1.0, 0.7, 0.4, 0.2])  # how often people mean each level of exaggeration
 _OTHERS = 4  # people that a face is blended with
 _QUIET_MOUTHS = ("neutral", "eyes_closed")  # what a face without a drawn mouth may be doing
 
@@ -228,7 +230,13 @@ class Examples(Batches):
 
     def _face(self, random: np.random.Generator, quiet: bool, freehand: bool) -> tuple[int, _Face]:
         """Number of a face and that face, or one blended or mixed of it and others, of which it is the most."""
-        row = self._pick_quiet(random) if quiet else self._pick(random, self._by_hand if freehand else self._frequency)
+        def pick() -> int:
+            return self._pick_quiet(random) if quiet else self._pick(random, often)
+
+        often = self._by_hand if freehand else self._frequency
+        row = pick()
+        while freehand and random.random() > _LEVELS_BY_HAND[row // len(self._poses) % LEVELS]:
+            row = pick()
         expression = row % len(self._poses)
         rows, weights = np.array([row]), np.ones(1, np.float32)
         if random.random() < self.variety.blended:

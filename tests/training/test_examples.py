@@ -163,6 +163,13 @@ def test_puffed_cheeks_are_rare(make, poses):
     assert sum(share) == 1 and 0.01 < share[1] < 0.22 and min(share[0], share[2]) > 0.3
 
 
+@pytest.mark.parametrize(("variety", "often"), [(FREEHAND, [1.0, 0.7, 0.4, 0.2]), (EXACT, [1.0, 1.0, 1.0, 1.0])])
+def test_by_hand_exaggerated_people_are_drawn_more_rarely(make, variety, often):
+    neutral = np.arange(0, 3 * 4 * 3, 3)  # all levels of three people at rest
+    levels = np.bincount(make(variety, batch=300, kept=neutral).numbered(0).people % 4, minlength=4)
+    np.testing.assert_allclose(levels / 300, np.divide(often, sum(often)), atol=0.08)
+
+
 def test_wrinkles_are_drawn_as_often_as_wanted(make):
     bare, folded = (make(replace(EXACT, wrinkles=share), batch=8).numbered(1)[0] for share in (0.0, 1.0))
     more = folded.sum(axis=(1, 2, 3)) - bare.sum(axis=(1, 2, 3))
