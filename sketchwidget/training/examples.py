@@ -230,6 +230,7 @@ class Examples(Batches):
 
     def _face(self, random: np.random.Generator, quiet: bool, freehand: bool) -> tuple[int, _Face]:
         """Number of a face and that face, or one blended or mixed of it and others, of which it is the most."""
+
         def pick() -> int:
             return self._pick_quiet(random) if quiet else self._pick(random, often)
 

@@ -20,6 +20,13 @@ from .welcome import beyond
 
 FRONT, SIDES = "front", {"left": "right", "right": "left"}
 
+# What is said when a toggle is switched on, and off.
+SWITCHED = {
+    "mirror": ("Each stroke is drawn on both sides.", "Strokes are drawn on one side."),
+    "ghost": ("The head's own lines lie under the ink.", "The head's own lines are hidden."),
+    "live": ("The head follows while you draw.", "The head follows once a stroke has ended."),
+}
+
 
 class Drawing:
     """What the Studio has on the page while its session is drawn.
@@ -66,6 +73,8 @@ class Drawing:
         jslink((mirror, "value"), (self.pad.widget, "mirror"))
         jslink((live, "value"), (self.pad.widget, "live"))
         self._ghost.observe(lambda _: self.show(), "value")
+        for name, toggle in (("mirror", mirror), ("ghost", self._ghost), ("live", live)):
+            toggle.observe(lambda change, name=name: self._on_switch(name, change["new"]), "value")
         self._cancel.on_click(lambda _: self._on_cancel())
         self.pad.widget.on_stroke(self._on_stroke)
         self.pad.widget.on_partial(self._on_partial)
@@ -109,6 +118,10 @@ class Drawing:
         self._side = side
         self.show()
         return True
+
+    def _on_switch(self, name: str, on: bool) -> None:
+        said, otherwise = SWITCHED[name]
+        self._status.say(said if on else otherwise, self._expected())
 
     def _on_stroke(self, points: np.ndarray, tool: str, mirror: bool) -> None:
         session = self._session_of()

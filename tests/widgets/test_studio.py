@@ -151,6 +151,7 @@ def test_a_bad_file_is_a_sentence_and_keeps_the_drawing(shown, content):
 def test_the_ghost_is_the_heads_own_drawing(shown):
     shown._drawing._ghost.value = True
     assert shown._drawing.pad._ghost is not None and len(shown._drawing.pad._ghost) == 1
+    assert shown._status.message.startswith("The head's own lines lie under the ink. ")
     shown._drawing._ghost.value = False
     assert shown._drawing.pad._ghost is None
 
