@@ -9,12 +9,14 @@ import numpy as np
 from scipy import sparse
 from scipy.sparse.linalg import splu
 
-_FACING = 0.2  # |z| of a normal: other triangles are seen too edge-on to fold
+from .plane_maps import PlaneMaps, in_plane, incidence, least_stretch
+
 _FOLDED, _OPEN = 0.05, 0.2  # least stretch of a triangle that counts as folded, and of one that is opened again
 _NARROW = 0.3  # of a coarse triangle that may have folds within
+_WATCHED = 0.5  # of one that may fold while others open
 _RINGS = 5  # of vertices about it that give way
-_PULL = 10.0  # of folded triangles, against the surface about them
-_ROUNDS = 40
+_PULL, _HARDER = 20.0, 1.2  # of watched triangles, against the surface about them; and how much more in the next stage
+_STAGES, _ROUNDS = 15, 8
 
 
 class Unfolding:
@@ -22,9 +24,13 @@ class Unfolding:
 
     A map of the plane is ``z -> a z + b conj(z)`` on each triangle; its least stretch is ``|a| - |b|``, and where that
     is negative the triangle is turned over. The correction is the one with the least Dirichlet energy for which all
-    triangles are in the convex cone ``Re a - |b| >= bound`` (Lipman 2012, *Bounded distortion mapping spaces for
+    triangles are in the convex cone ``Re a / turn - |b| >= bound`` (Lipman 2012, *Bounded distortion mapping spaces for
     triangular meshes*). Alternating directions find it (Boyd et al. 2011, section 3): the projection of each triangle,
     and one linear solution, whose matrix stays. They end once nothing is turned over.
+
+    Only triangles that are narrow take part: others would hold the surface back where it is. If a few rounds are not
+    enough, the next stage takes those along that became narrow, lets each cone turn to where the surface about its
+    triangle has turned, and pulls harder.
 
     Parameters
     ----------
@@ -56,6 +62,8 @@ class Unfolding:
         self._refine, self._handles = sparse.csr_matrix(refine), sparse.csr_matrix(handles)
         self._scouts, self._surface, self._softness = scouts, surface, softness
         self._shape: tuple[int, int] = refine.shape
+        by_vertex = incidence(surface, self._shape[0]) @ abs(self._refine)
+        self._moved_by = by_vertex.T.tocsr()
 
     def __call__(self, points: np.ndarray, displacement: np.ndarray, held: np.ndarray) -> np.ndarray:
         """The displacement (n, 2) of the mesh in x and y without the folds that it would make.
@@ -73,20 +81,16 @@ class Unfolding:
         (n, 2) array
             The same object if there are no folds. Where handles leave no room for a triangle, it stays folded.
         """
-        before = _complex(points)
-        after = before + self._refine @ _complex(displacement)
-        scouts = _facing(points, self._scouts)
-        narrow = scouts[_least(_maps(_slopes(before[scouts])[0], after[scouts])) < _NARROW]
+        after = in_plane(points) + self._refine @ in_plane(displacement)
+        scouts = PlaneMaps(points, self._scouts)
+        narrow = scouts.facing(np.flatnonzero(least_stretch(scouts(after)) < _NARROW))
         if not len(narrow):
             return displacement
-        free = self._about(narrow)
-        surface = self._surface[self._moving(free)[self._surface].any(axis=1)]
-        surface = _facing(points, surface)
-        slopes, areas = _slopes(before[surface])
-        maps = _maps(slopes, after[surface])
-        if (_least(maps) > _FOLDED).all():
+        free = self._about(self._scouts[narrow])
+        surface = PlaneMaps(points, self._surface[self._moved(free)])
+        correction = self._correction(free, held, surface, after)
+        if correction is None:
             return displacement
-        correction = self._correction(free, held, surface, slopes, areas, maps)
         unfolded = np.array(displacement)
         unfolded[free] += correction
         return unfolded
@@ -99,82 +103,95 @@ class Unfolding:
             near[self._stiffness[near].indices] = True
         return np.flatnonzero(near)
 
-    def _moving(self, free: np.ndarray) -> np.ndarray:
-        """Which points (v,) bool the vertices move."""
-        moving = np.zeros(self._shape[1])
-        moving[free] = 1.0
-        return self._refine @ moving > 0
+    def _moved(self, free: np.ndarray) -> np.ndarray:
+        """The triangles (t,) bool of the surface that vertices move."""
+        moved = np.zeros(len(self._surface), dtype=bool)
+        moved[self._moved_by[free].indices] = True
+        return moved
 
-    def _correction(
-        self,
-        free: np.ndarray,
-        held: np.ndarray,
-        surface: np.ndarray,
-        slopes: np.ndarray,
-        areas: np.ndarray,
-        start: np.ndarray,
-    ) -> np.ndarray:
-        """Displacements (k, 2) of the free vertices that unfold triangles."""
-        corners = sparse.csr_matrix(
-            (slopes.ravel(), surface.ravel(), np.arange(0, surface.size + 1, 3)), (len(surface), self._shape[0])
-        )
-        gradient = (corners @ self._refine[:, free]).tocsr()
-        back = (gradient.conj().T @ sparse.diags(2 * areas)).tocsr()
+    def _correction(self, free: np.ndarray, held: np.ndarray, surface: PlaneMaps, after: np.ndarray) -> Any:
+        """Displacements (k, 2) of the free vertices that unfold triangles; None if none is folded."""
+        maps = start = surface(after)
+        watched = np.zeros(len(maps), dtype=bool)
+        turns, multipliers = np.ones(len(maps), dtype=complex), np.zeros_like(maps)
         handles = self._handles[held][:, free]
-        matrix = self._stiffness[free][:, free] + handles.T @ handles / self._softness
-        matrix += 2 * _PULL * np.real(back @ gradient)
-        factor = splu(matrix.tocsc(), "MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
-        correction = np.zeros((len(free), 2))
-        multipliers = np.zeros_like(start)
-        for _ in range(_ROUNDS):
-            maps = start + gradient @ _with_conjugate(_complex(correction))
-            if (_least(maps) > _FOLDED).all():
+        rigid = self._stiffness[free][:, free] + handles.T @ handles / self._softness
+        correction = None
+        for stage in range(_STAGES):
+            least = least_stretch(maps)
+            watched[surface.facing(np.flatnonzero(least < _WATCHED))] = True
+            if (least[watched] > _FOLDED).all():
                 break
-            opened = _opened(maps + multipliers)
-            multipliers += maps - opened
-            pull = back @ (opened - multipliers - start)
-            pull = _PULL * (pull[:, 0] + pull[:, 1].conj())
-            correction = factor.solve(np.stack([np.real(pull), np.imag(pull)], axis=1))
+            if correction is None:
+                correction = np.zeros((len(free), 2))
+            else:
+                turns, multipliers = surface.turns(maps), multipliers / _HARDER
+            rows = np.flatnonzero(watched)
+            slopes, points = surface.slopes(rows)
+            gradient = (slopes @ self._refine[points][:, free]).tocsr()
+            weights = 2 * _PULL * _HARDER**stage * surface.areas[rows]
+            correction, multipliers[rows] = _opened(
+                rigid, gradient, weights, start[rows], turns[rows], multipliers[rows], correction
+            )
+            everywhere = np.zeros(self._shape[1], dtype=complex)
+            everywhere[free] = in_plane(correction)
+            maps = surface(after + self._refine @ everywhere)
         return correction
 
 
-def _complex(points: np.ndarray) -> np.ndarray:
-    return points[:, 0].astype(np.float64) + 1j * points[:, 1]
+def _opened(
+    rigid: Any,
+    gradient: Any,
+    weights: np.ndarray,
+    start: np.ndarray,
+    turns: np.ndarray,
+    multipliers: np.ndarray,
+    correction: np.ndarray,
+) -> tuple[np.ndarray, np.ndarray]:
+    """A few rounds of alternating directions.
+
+    Parameters
+    ----------
+    rigid : (k, k) sparse matrix
+        Of the energy of corrections.
+    gradient : (t, k) sparse complex matrix
+        Takes corrections to changes of maps.
+    weights : (t,) array
+        Of the triangles in the energy.
+    start : (t, 2) complex array
+        Their maps without a correction.
+    turns : (t,) complex array
+        How their cones are turned.
+    multipliers : (t, 2) complex array
+        So far.
+    correction : (k, 2) array
+        So far.
+
+    Returns
+    -------
+    correction : (k, 2) array
+    multipliers : (t, 2) complex array
+    """
+    back = (gradient.conj().T @ sparse.diags(weights)).tocsr()
+    matrix = (rigid + 2 * np.real(back @ gradient)).tocsc()
+    factor = splu(matrix, "MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
+    for _ in range(_ROUNDS):
+        moved = in_plane(correction)
+        maps = start + gradient @ np.stack([moved, moved.conj()], axis=1)
+        if (least_stretch(maps) > _FOLDED).all():
+            break
+        nearest = _nearest(maps + multipliers, turns)
+        multipliers = multipliers + maps - nearest
+        pull = back @ (nearest - multipliers - start)
+        pull = pull[:, 0] + pull[:, 1].conj()
+        correction = factor.solve(np.stack([np.real(pull), np.imag(pull)], axis=1))
+    return correction, multipliers
 
 
-def _facing(points: np.ndarray, triangles: np.ndarray) -> np.ndarray:
-    """Those of some triangles (k, 3) that are seen well enough from the front or from behind."""
-    corners = points[triangles]
-    (x, y, z), (u, v, w) = np.moveaxis(corners[:, 1:] - corners[:, :1], (1, 2), (0, 1))
-    across = x * v - y * u
-    return triangles[across**2 * (1 / _FACING**2 - 1) > (y * w - z * v) ** 2 + (z * u - x * w) ** 2]
-
-
-def _slopes(corners: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Of triangles (t, 3) in the complex plane: derivatives by z of hat functions (t, 3), and areas (t,)."""
-    opposite = np.roll(corners, 1, axis=1) - np.roll(corners, -1, axis=1)
-    double = np.imag(np.conj(corners[:, 1] - corners[:, 0]) * (corners[:, 2] - corners[:, 0]))
-    return np.conj(1j * opposite) / (2 * double[:, None]), np.abs(double) / 2
-
-
-def _with_conjugate(values: np.ndarray) -> np.ndarray:
-    return np.stack([values, values.conj()], axis=-1)
-
-
-def _maps(slopes: np.ndarray, after: np.ndarray) -> np.ndarray:
-    """a and conj(b) (t, 2) of the maps that take triangles to their corners (t, 3)."""
-    return np.einsum("tc,tck->tk", slopes, _with_conjugate(after))
-
-
-def _least(maps: np.ndarray) -> np.ndarray:
-    """The least stretch (t,) of maps (t, 2), negative where they turn over."""
-    return np.abs(maps[:, 0]) - np.abs(maps[:, 1])
-
-
-def _opened(maps: np.ndarray) -> np.ndarray:
+def _nearest(maps: np.ndarray, turns: np.ndarray) -> np.ndarray:
     """The nearest maps (t, 2) that stretch enough everywhere; those that turn far but do not fold stay as they are."""
-    along, across = maps.T
+    along, across = maps[:, 0] * turns.conj(), maps[:, 1]
     size = np.abs(across)
-    lacking = np.where(_least(maps) < _OPEN, _OPEN - along.real + size, 0.0) / 2
+    lacking = np.where(np.abs(along) - size < _OPEN, np.maximum(_OPEN - np.real(along) + size, 0.0), 0.0) / 2
     less = np.minimum(lacking, size)
-    return np.stack([along + 2 * lacking - less, across * (1 - less / np.maximum(size, 1e-12))], axis=1)
+    return np.stack([(along + 2 * lacking - less) * turns, across * (1 - less / np.maximum(size, 1e-12))], axis=1)

@@ -48,6 +48,24 @@ def test_folds_open_and_handles_stay(unfolding, far):
     np.testing.assert_allclose(opened[HELD], displaced[HELD], atol=0.05)
 
 
+def whirled(turns):
+    """The middle turned by an angle, which fades towards the border."""
+    away = np.hypot(X - 10, Y - 10) / 10
+    there = SHEET[:, :2] @ [1, 1j] - (10 + 10j)
+    moves = there * (np.exp(1j * turns * np.clip(1 - away, 0, 1)) - 1)
+    return np.stack([moves.real, moves.imag], axis=1)
+
+
+def test_folds_open_where_the_sheet_has_turned_far(unfolding):
+    displaced = whirled(3.2)
+    free = (np.hypot(X - 10, Y - 10) > 4) & (np.hypot(X - 10, Y - 10) < 9)
+    displaced[free] *= 0.6  # what lies between keeps behind, and folds
+    assert turned_over(displaced) > 20
+    opened = unfolding(SHEET, displaced, np.ones(len(HELD), dtype=bool))
+    assert turned_over(opened) == 0
+    np.testing.assert_allclose(opened[HELD], displaced[HELD], atol=0.05)
+
+
 def test_a_sheet_seen_from_behind_opens_too(unfolding):
     displaced = pushed(5.0)
     behind = SHEET * [-1, 1, -1]

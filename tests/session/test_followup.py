@@ -454,6 +454,23 @@ def test_a_large_edit_does_not_fold(session, name, change):
     assert flipped(session) <= FLIPPED and strayed(session) < NEAR
 
 
+@pytest.mark.parametrize(
+    ("name", "number", "shift"),
+    [
+        ("nose", 0, (0.031, 0)),
+        ("nose", 0, (0.031, 0.031)),
+        ("nose", 2, (-0.031, 0)),
+        ("left_eye_upper", 0, (0.031, 0)),
+        ("left_eye_upper", 0, (0.031, -0.031)),
+        ("left_eye_lower", 0, (0.031, 0)),
+    ],
+)
+def test_a_piece_moved_again_and_again_does_not_fold(session, name, number, shift):
+    for _ in range(2):
+        session.draw(erase_feature(session, name, number) + np.array(shift))
+    assert flipped(session) == 0
+
+
 def eye_in_sight(session):
     """How many pixels the left eyeball is seen in, of 0.3 mm: within its lids, and outside of them."""
     eye = session.face.model.template.fine_parts == PARTS.index("eyes")
