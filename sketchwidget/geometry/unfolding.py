@@ -12,9 +12,9 @@ from scipy.sparse.linalg import splu
 from .plane_maps import PlaneMaps, in_plane, incidence, least_stretch
 
 _FOLDED, _OPEN = 0.05, 0.2  # least stretch of a triangle that counts as folded, and of one that is opened again
-_NARROW = 0.3  # of a coarse triangle that may have folds within
+_NARROW = 0.5  # of a coarse triangle that may have folds within
 _WATCHED = 0.5  # of one that may fold while others open
-_RINGS = 5  # of vertices about it that give way
+_RINGS = 6  # of vertices about folds that give way
 _PULL, _HARDER = 20.0, 1.2  # of watched triangles, against the surface about them; and how much more in the next stage
 _STAGES, _ROUNDS = 15, 8
 
@@ -82,49 +82,44 @@ class Unfolding:
             The same object if there are no folds. Where handles leave no room for a triangle, it stays folded.
         """
         after = in_plane(points) + self._refine @ in_plane(displacement)
-        scouts = PlaneMaps(points, self._scouts)
-        narrow = scouts.facing(np.flatnonzero(least_stretch(scouts(after)) < _NARROW))
-        if not len(narrow):
+        narrow = least_stretch(PlaneMaps(points, self._scouts)(after)) < _NARROW
+        suspects = PlaneMaps(points, self._moved(self._about(self._scouts[narrow], rings=0)))
+        folded = suspects.facing(np.flatnonzero(least_stretch(suspects(after)) < _FOLDED))
+        if not len(folded):
             return displacement
-        free = self._about(self._scouts[narrow])
-        surface = PlaneMaps(points, self._surface[self._moved(free)])
-        correction = self._correction(free, held, surface, after)
-        if correction is None:
-            return displacement
+        free = self._about(suspects.triangles[folded], _RINGS)
         unfolded = np.array(displacement)
-        unfolded[free] += correction
+        unfolded[free] += self._correction(free, held, PlaneMaps(points, self._moved(free)), after)
         return unfolded
 
-    def _about(self, triangles: np.ndarray) -> np.ndarray:
-        """The vertices (k,) of the mesh that are some rings from triangles of points, at most."""
+    def _about(self, triangles: np.ndarray, rings: int) -> np.ndarray:
+        """The vertices (k,) of the mesh that move triangles of points, and some rings about them."""
         near = np.zeros(self._shape[1], dtype=bool)
         near[self._refine[triangles.ravel()].indices] = True
-        for _ in range(_RINGS):
+        for _ in range(rings):
             near[self._stiffness[near].indices] = True
         return np.flatnonzero(near)
 
     def _moved(self, free: np.ndarray) -> np.ndarray:
-        """The triangles (t,) bool of the surface that vertices move."""
+        """The triangles (t, 3) of the surface that vertices move."""
         moved = np.zeros(len(self._surface), dtype=bool)
         moved[self._moved_by[free].indices] = True
-        return moved
+        return self._surface[moved]
 
-    def _correction(self, free: np.ndarray, held: np.ndarray, surface: PlaneMaps, after: np.ndarray) -> Any:
-        """Displacements (k, 2) of the free vertices that unfold triangles; None if none is folded."""
+    def _correction(self, free: np.ndarray, held: np.ndarray, surface: PlaneMaps, after: np.ndarray) -> np.ndarray:
+        """Displacements (k, 2) of the free vertices that unfold triangles."""
         maps = start = surface(after)
         watched = np.zeros(len(maps), dtype=bool)
         turns, multipliers = np.ones(len(maps), dtype=complex), np.zeros_like(maps)
         handles = self._handles[held][:, free]
         rigid = self._stiffness[free][:, free] + handles.T @ handles / self._softness
-        correction = None
+        correction = np.zeros((len(free), 2))
         for stage in range(_STAGES):
             least = least_stretch(maps)
             watched[surface.facing(np.flatnonzero(least < _WATCHED))] = True
             if (least[watched] > _FOLDED).all():
                 break
-            if correction is None:
-                correction = np.zeros((len(free), 2))
-            else:
+            if stage:
                 turns, multipliers = surface.turns(maps), multipliers / _HARDER
             rows = np.flatnonzero(watched)
             slopes, points = surface.slopes(rows)

@@ -20,7 +20,7 @@ TURN = np.linspace(0, 2 * np.pi, 60)
 OVAL = np.stack([0.5 + 0.27 * np.sin(TURN), 0.5 - 0.38 * np.cos(TURN)], axis=1)
 WRINKLE = [[0.4, 0.25], [0.5, 0.24], [0.6, 0.25]]
 NEAR = 0.0024  # canvas units: 0.6 mm
-FLIPPED = 8  # of the 15,000 triangles that face the front: what lines leave no room for, where lids and lips meet
+FLIPPED = 0
 
 
 class WrinkleCounter:
