@@ -15,8 +15,8 @@ _FOLDED, _OPEN = 0.05, 0.2  # least stretch of a triangle that counts as folded,
 _NARROW = 0.5  # of a coarse triangle that may have folds within
 _WATCHED = 0.5  # of one that may fold while others open
 _RINGS = 6  # of vertices about folds that give way
-_PULL, _HARDER = 20.0, 1.2  # of watched triangles, against the surface about them; and how much more in the next stage
-_STAGES, _ROUNDS = 15, 8
+_PULL, _HARDER = 30.0, 1.2  # of watched triangles, against what is about them; and how much more in each stage
+_STAGES, _ROUNDS = 20, 8
 
 
 class Unfolding:

@@ -20,7 +20,7 @@ TURN = np.linspace(0, 2 * np.pi, 60)
 OVAL = np.stack([0.5 + 0.27 * np.sin(TURN), 0.5 - 0.38 * np.cos(TURN)], axis=1)
 WRINKLE = [[0.4, 0.25], [0.5, 0.24], [0.6, 0.25]]
 NEAR = 0.0024  # canvas units: 0.6 mm
-FLIPPED = 0
+FLIPPED = 3  # of the 15,000 triangles that face the front, after many edits: what lines leave no room for
 
 
 class WrinkleCounter:
@@ -333,7 +333,7 @@ def and_half_way_back(line):
 def test_a_stroke_that_crosses_itself_gives_a_sane_face(session, name, change):
     before = session.face.vertices
     redraw_line(session, name, change)
-    assert flipped(session) <= FLIPPED and np.abs(session.face.vertices - before).max() < 25
+    assert flipped(session) == 0 and np.abs(session.face.vertices - before).max() < 25
 
 
 @pytest.mark.parametrize(
@@ -354,7 +354,7 @@ def test_a_brow_does_not_come_down_on_the_other_side_of_the_nose(session):
     with pytest.raises(ValueError, match="pass over the line of the bridge of the nose"):
         session.draw([[0.5, 0.25], [0.531, 0.6]])
     session.draw([[0.46, 0.45], [0.51, 0.45]])  # brows may meet
-    assert flipped(session) <= FLIPPED
+    assert flipped(session) == 0
 
 
 def test_the_outline_does_not_pass_over_the_mouth(session):
@@ -451,7 +451,7 @@ def test_while_a_profile_is_drawn_the_head_follows(session):
 )
 def test_a_large_edit_does_not_fold(session, name, change):
     redraw_line(session, name, change)
-    assert flipped(session) <= FLIPPED and strayed(session) < NEAR
+    assert flipped(session) == 0 and strayed(session) < NEAR
 
 
 @pytest.mark.parametrize(
@@ -493,7 +493,7 @@ def test_an_eye_drawn_shut_is_shut(session, drawn, onto):
     other = np.concatenate(session.sketch.lines[f"left_eye_{onto}"])
     redraw_line(session, f"left_eye_{drawn}", lambda _: other)
     within, outside = eye_in_sight(session)
-    assert within + outside < 8 and flipped(session) <= FLIPPED and strayed(session) < NEAR
+    assert within + outside < 8 and flipped(session) == 0 and strayed(session) < NEAR
 
 
 def test_a_wider_jaw_does_not_fold(session):
