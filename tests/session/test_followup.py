@@ -4,6 +4,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from folds import turned_over
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from scipy.spatial import KDTree
@@ -86,13 +87,7 @@ def strayed(session):
 
 def flipped(session):
     """How many triangles of the skin that face the front on the mean head face the back."""
-    model = session.face.model
-    skin = model.faces[(model.template.fine_parts == 0)[model.faces].all(axis=1)]
-    towards = [
-        np.cross(*np.moveaxis(np.diff(mesh[skin], axis=1), 1, 0))[:, 2] for mesh in (model.mean, session.face.vertices)
-    ]
-    longest = np.linalg.norm(np.cross(*np.moveaxis(np.diff(model.mean[skin], axis=1), 1, 0)), axis=1)
-    return int(((towards[0] > 0.5 * longest) & (towards[1] < 0)).sum())
+    return turned_over(session.face.model, session.face.model.mean, session.face.vertices)
 
 
 def erase_feature(session, name, number=0):

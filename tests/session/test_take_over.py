@@ -5,6 +5,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from folds import turned_over
 from scipy.spatial import KDTree
 
 import sketchwidget as sw
@@ -75,6 +76,17 @@ def test_the_head_is_exactly_the_one_taken_over_and_its_lines_lie_on_it(session,
         ink = np.concatenate([resample(points, 500) for points in session.sketch.lines[name]])
         strays = KDTree(ink).query(session.frame.project(session.face.curve(name)))[0]
         assert strays.max() * 250 < 2.5
+
+
+@pytest.mark.parametrize("amount", [1.0, 2.0, 3.0])
+def test_a_brow_of_an_exaggerated_head_rises_without_folds(session, someone, model, amount):
+    session.take_over(someone)
+    if amount != 1.0:
+        session.exaggerate(amount)
+    before = session.face.vertices
+    raise_brow(session)
+    assert turned_over(model, before, session.face.vertices) == 0
+    assert np.abs(session.face.vertices - before).max() < 12
 
 
 def test_parameters_and_residual_are_apart(session, someone, model):
