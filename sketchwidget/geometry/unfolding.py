@@ -7,8 +7,8 @@ from typing import Any
 import igl
 import numpy as np
 from scipy import sparse
-from scipy.sparse.linalg import splu
 
+from .banded import BandedCholesky
 from .plane_maps import PlaneMaps, in_plane, incidence, least_stretch
 
 _FOLDED, _OPEN = 0.05, 0.2  # least stretch of a triangle that counts as folded, and of one that is opened again
@@ -59,6 +59,7 @@ class Unfolding:
         softness: float,
     ) -> None:
         self._stiffness = sparse.csr_matrix(-igl.cotmatrix(rest, faces))
+        self._beside = (self._stiffness != 0).astype(np.int8)
         self._refine, self._handles = sparse.csr_matrix(refine), sparse.csr_matrix(handles)
         self._scouts, self._surface, self._softness = scouts, surface, softness
         self._shape: tuple[int, int] = refine.shape
@@ -97,7 +98,7 @@ class Unfolding:
         near = np.zeros(self._shape[1], dtype=bool)
         near[self._refine[triangles.ravel()].indices] = True
         for _ in range(rings):
-            near[self._stiffness[near].indices] = True
+            near = self._beside @ near > 0
         return np.flatnonzero(near)
 
     def _moved(self, free: np.ndarray) -> np.ndarray:
@@ -167,9 +168,10 @@ def _opened(
     correction : (k, 2) array
     multipliers : (t, 2) complex array
     """
-    back = (gradient.conj().T @ sparse.diags(weights)).tocsr()
-    matrix = (rigid + 2 * np.real(back @ gradient)).tocsc()
-    factor = splu(matrix, "MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
+    back = gradient.conj()
+    back.data *= np.repeat(weights, np.diff(gradient.indptr))
+    back = back.T.tocsr()
+    factor = BandedCholesky(rigid + 2 * np.real(back @ gradient))
     for _ in range(_ROUNDS):
         moved = in_plane(correction)
         maps = start + gradient @ np.stack([moved, moved.conj()], axis=1)
