@@ -67,31 +67,31 @@ class Unfolding:
         self._moved_by = by_vertex.T.tocsr()
 
     def __call__(self, points: np.ndarray, displacement: np.ndarray, held: np.ndarray) -> np.ndarray:
-        """The displacement (n, 2) of the mesh in x and y without the folds that it would make.
+        """How the points are displaced in x and y by the mesh, without the folds that it would make.
 
         Parameters
         ----------
         points : (v, 3) array
             Of the surface before.
         displacement : (n, 2) array
+            Of the mesh.
         held : (h,) bool array
             The handles that stay where the displacement takes them.
 
         Returns
         -------
-        (n, 2) array
-            The same object if there are no folds. Where handles leave no room for a triangle, it stays folded.
+        (v, 2) array
+            Where handles leave no room for a triangle, it stays folded.
         """
-        after = in_plane(points) + self._refine @ in_plane(displacement)
+        before, moves = in_plane(points), self._refine @ in_plane(displacement)
+        after = before + moves
         narrow = least_stretch(PlaneMaps(points, self._scouts)(after)) < _NARROW
         suspects = PlaneMaps(points, self._moved(self._about(self._scouts[narrow], rings=0)))
         folded = suspects.facing(np.flatnonzero(least_stretch(suspects(after)) < _FOLDED))
-        if not len(folded):
-            return displacement
-        free = self._about(suspects.triangles[folded], _RINGS)
-        unfolded = np.array(displacement)
-        unfolded[free] += self._correction(free, held, PlaneMaps(points, self._moved(free)), after)
-        return unfolded
+        if len(folded):
+            free = self._about(suspects.triangles[folded], _RINGS)
+            moves += self._correction(free, held, PlaneMaps(points, self._moved(free)), after)
+        return np.stack([np.real(moves), np.imag(moves)], axis=1)
 
     def _about(self, triangles: np.ndarray, rings: int) -> np.ndarray:
         """The vertices (k,) of the mesh that move triangles of points, and some rings about them."""
@@ -108,13 +108,14 @@ class Unfolding:
         return self._surface[moved]
 
     def _correction(self, free: np.ndarray, held: np.ndarray, surface: PlaneMaps, after: np.ndarray) -> np.ndarray:
-        """Displacements (k, 2) of the free vertices that unfold triangles."""
+        """How points (v,) in the plane are displaced further by free vertices that unfold triangles."""
         maps = start = surface(after)
         watched = np.zeros(len(maps), dtype=bool)
         turns, multipliers = np.ones(len(maps), dtype=complex), np.zeros_like(maps)
         handles = self._handles[held][:, free]
         rigid = self._stiffness[free][:, free] + handles.T @ handles / self._softness
         correction = np.zeros((len(free), 2))
+        moves = np.zeros(self._shape[0], dtype=complex)
         for stage in range(_STAGES):
             least = least_stretch(maps)
             watched[surface.facing(np.flatnonzero(least < _WATCHED))] = True
@@ -131,8 +132,9 @@ class Unfolding:
             )
             everywhere = np.zeros(self._shape[1], dtype=complex)
             everywhere[free] = in_plane(correction)
-            maps = surface(after + self._refine @ everywhere)
-        return correction
+            moves = self._refine @ everywhere
+            maps = surface(after + moves)
+        return moves
 
 
 def _opened(

@@ -90,10 +90,10 @@ def test_handles_that_are_not_held_give_way(unfolding):
 def test_what_does_not_fold_is_left_alone(unfolding, angle):
     turn = 0.6 * np.array([[np.cos(angle), np.sin(angle)], [-np.sin(angle), np.cos(angle)]])
     displaced = SHEET[:, :2] @ turn - SHEET[:, :2]
-    assert unfolding(SHEET, displaced, np.ones(len(HELD), dtype=bool)) is displaced
+    np.testing.assert_array_equal(unfolding(SHEET, displaced, np.ones(len(HELD), dtype=bool)), displaced)
 
 
 def test_triangles_seen_edge_on_do_not_count(unfolding):
     upright = np.stack([0.05 * X, Y, X], axis=1).astype(float)
     displaced = np.stack([-0.1 * X, 0 * X], axis=1)
-    assert unfolding(upright, displaced, np.ones(len(HELD), dtype=bool)) is displaced
+    np.testing.assert_array_equal(unfolding(upright, displaced, np.ones(len(HELD), dtype=bool)), displaced)
