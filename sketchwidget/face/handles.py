@@ -124,9 +124,7 @@ class CurveHandles:
             displaced[:, 1] += self._deformation(rise[:, None])[:, 0]
             held = held | np.isfinite(rise)
             moved[:, 2] += self._spread @ self._deformation(depth[:, None])[:, 0]
-        moved[:, :2] += (
-            self._unfolding(vertices, displaced, held) if way == "unfolded" else self._spread @ displaced
-        )
+        moved[:, :2] += self._unfolding(vertices, displaced, held) if way == "unfolded" else self._spread @ displaced
         for part in self._parts:
             part.follow(vertices, moved)
         return moved

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
 from typing import Any
 
 import igl
@@ -62,9 +63,10 @@ class Unfolding:
         self._beside = (self._stiffness != 0).astype(np.int8)
         self._refine, self._handles = sparse.csr_matrix(refine), sparse.csr_matrix(handles)
         self._scouts, self._surface, self._softness = scouts, surface, softness
+        self._rigid = lru_cache(maxsize=4)(self._energy)
         self._shape: tuple[int, int] = refine.shape
         by_vertex = incidence(surface, self._shape[0]) @ abs(self._refine)
-        self._moved_by = by_vertex.T.tocsr()
+        self._moved_by = by_vertex.T.tocsr().astype(bool)
 
     def __call__(self, points: np.ndarray, displacement: np.ndarray, held: np.ndarray) -> np.ndarray:
         """How the points are displaced in x and y by the mesh, without the folds that it would make.
@@ -85,7 +87,8 @@ class Unfolding:
         """
         before, moves = in_plane(points), self._refine @ in_plane(displacement)
         after = before + moves
-        narrow = least_stretch(PlaneMaps(points, self._scouts)(after)) < _NARROW
+        scouts = PlaneMaps(points, self._scouts)
+        narrow = scouts.facing(np.flatnonzero(least_stretch(scouts(after)) < _NARROW))
         suspects = PlaneMaps(points, self._moved(self._about(self._scouts[narrow], rings=0)))
         folded = suspects.facing(np.flatnonzero(least_stretch(suspects(after)) < _FOLDED))
         if len(folded):
@@ -107,13 +110,17 @@ class Unfolding:
         moved[self._moved_by[free].indices] = True
         return self._surface[moved]
 
+    def _energy(self, held: bytes) -> Any:
+        """Of displacements of the mesh (n, n), with the handles that stay."""
+        handles = self._handles[np.frombuffer(held, dtype=bool)]
+        return self._stiffness + handles.T @ handles / self._softness
+
     def _correction(self, free: np.ndarray, held: np.ndarray, surface: PlaneMaps, after: np.ndarray) -> np.ndarray:
         """How points (v,) in the plane are displaced further by free vertices that unfold triangles."""
         maps = start = surface(after)
         watched = np.zeros(len(maps), dtype=bool)
         turns, multipliers = np.ones(len(maps), dtype=complex), np.zeros_like(maps)
-        handles = self._handles[held][:, free]
-        rigid = self._stiffness[free][:, free] + handles.T @ handles / self._softness
+        rigid = self._rigid(held.tobytes())[free][:, free]
         correction = np.zeros((len(free), 2))
         moves = np.zeros(self._shape[0], dtype=complex)
         for stage in range(_STAGES):
