@@ -60,7 +60,8 @@ class Unfolding:
         softness: float,
     ) -> None:
         self._stiffness = sparse.csr_matrix(-igl.cotmatrix(rest, faces))
-        self._beside = (self._stiffness != 0).astype(np.int8)
+        self._beside = sparse.csr_matrix(self._stiffness, dtype=np.int8, copy=True)
+        self._beside.data[:] = 1
         self._refine, self._handles = sparse.csr_matrix(refine), sparse.csr_matrix(handles)
         self._scouts, self._surface, self._softness = scouts, surface, softness
         self._rigid = lru_cache(maxsize=4)(self._energy)
