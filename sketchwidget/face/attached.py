@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import ClassVar
 
 import igl
@@ -81,11 +82,16 @@ class Eyeball(Attached):
         if np.abs(_in_plane(after[self.contours]) - expected).max() > _RESHAPED:
             after[self.vertices, 2] -= max(0.0, self._in_the_way(after) - max(0.0, self._in_the_way(before)))
 
+    @cached_property
+    def _corners(self) -> np.ndarray:
+        """Vertices of the skin about it."""
+        return np.unique(self.lids)
+
     def _in_the_way(self, mesh: np.ndarray) -> float:
         """Millimetres that it is further to the front than the lids of a head allow."""
-        eye, lids = mesh[self.vertices], mesh[self.lids]
+        eye = mesh[self.vertices]
         front = eye[eye[:, 2] > eye[:, 2].mean()]
-        skin = np.concatenate([lids.reshape(-1, 3), lids.mean(axis=1)])
+        skin = np.concatenate([mesh[self._corners], sum(mesh[corner] for corner in self.lids.T) / 3])
         height = LinearNDInterpolator(front[:, :2], front[:, 2])(skin[:, :2])
         return float(np.nanmax(height - skin[:, 2] + _ROOM, initial=-np.inf))
 
