@@ -80,7 +80,9 @@ class Eyeball(Attached):
         _place(after, self.rim, _in_plane(before[self.rim]) + way)
         expected = end + turn * (_in_plane(before[self.contours]) - start)
         if np.abs(_in_plane(after[self.contours]) - expected).max() > _RESHAPED:
-            after[self.vertices, 2] -= max(0.0, self._in_the_way(after) - max(0.0, self._in_the_way(before)))
+            pierced = self._in_the_way(after)
+            if pierced > 0:
+                after[self.vertices, 2] -= max(0.0, pierced - max(0.0, self._in_the_way(before)))
 
     @cached_property
     def _corners(self) -> np.ndarray:
