@@ -36,7 +36,7 @@ def as_text(content: bytes) -> str:
     try:
         return content.decode()
     except UnicodeDecodeError as error:
-        raise ValueError(f"it is no text file: byte {error.start} is no UTF-8") from error
+        raise ValueError(f"not text: byte {error.start} is no UTF-8") from error
 
 
 def write(path: str | os.PathLike[str], text: str) -> None:
