@@ -87,7 +87,7 @@ class Layout:
         return cls(**sizes | {name: tuple(sizes[name]) for name in ("channels", "blocks")})
 
 
-COMPACT = Layout(left_over=True, joined=512)
+COMPACT = Layout(left_over=True, joined=448)
 PAPER = Layout(convolutions="alexnet", hidden=4096, branch=1024)
 TINY = Layout(channels=(8, 12, 16, 16), blocks=(0, 1, 1, 1), bottleneck=8, hidden=64, branch=48, shape=32)
 

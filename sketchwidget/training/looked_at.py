@@ -15,6 +15,8 @@ from ..inference.network import PixelShapeCNN
 from .examples import Batch, Batches, Examples
 from .network import use_one_thread
 
+_UNSEEN = 0.5  # share of the drawings seen again whose pixels are not
+
 
 @dataclass(frozen=True)
 class LookedAt:
@@ -73,7 +75,10 @@ class LookedAt:
 
 
 class Again(Batches):
-    """Batches drawn at random of what was looked at.
+    """Batches drawn at random of what was looked at, half of them without the pixels' features.
+
+    These tell more of the people that the network has learnt than they will of others: who always has them believes
+    the lines too little.
 
     Parameters
     ----------
@@ -89,7 +94,9 @@ class Again(Batches):
     def numbered(self, number: int) -> Batch:
         """Batch `number`."""
         drawings = self._drawings
-        rows = np.random.default_rng([self.seed, number]).integers(len(drawings.codes), size=self._batch)
+        random = np.random.default_rng([self.seed, number])
+        rows = random.integers(len(drawings.codes), size=self._batch)
         nobody = np.full(self._batch, -1)
         features, shapes = drawings.features[rows].astype(np.float32), drawings.shapes[rows].astype(np.float32)
+        features[random.random(self._batch) < _UNSEEN] = 0.0
         return Batch(features, shapes, drawings.codes[rows], drawings.poses[rows], nobody)

@@ -33,7 +33,7 @@ from .tasks import Classes, Faces, Joining, Task, Weights, standardised_identiti
 from .team import Team
 
 SEED = 7
-_AGAIN, _LARGE = 20, 256  # times that drawings looked at are seen, and how many of them are a batch
+_AGAIN, _LARGE = 30, 256  # times that drawings looked at are seen, and how many of them are a batch
 _FIRST_STEPS = (5, 8)  # of 18: 500,000 and 800,000 of the paper's 1,800,000 iterations
 # Drawings that a training is followed by: the paper's augmentation, of faces as they are.
 _TEST = Variety(manners={Manner.AUGMENTED: 1.0}, mixed=0.0, blended=0.0)
@@ -139,10 +139,17 @@ class Pipeline:
 
         At last, of `looked_at` batches of further drawings the layers in which lines join pixels learn again: what is
         before them stays, and they see each of these drawings `_AGAIN` times.
+
+        Raises
+        ------
+        ValueError
+            If nothing joins lines and pixels in a network that is to end so, or `start` is no network of its layout.
         """
         team, model, variety = Team.join(), self.database.model, variety or Variety()
         torch.manual_seed(SEED)
         network = PixelShapeCNN(model.identity_size, model.expression_size, layout)
+        if looked_at and network.shape_layers is None:
+            raise ValueError("this network does not see lines beside pixels: it has no layers that learn again")
         origin = {} if start is None else _begin_with(start, network)
         folder = self.work / f"{out.stem}-{model.fingerprint[:8]}"
         with team.leader_first():

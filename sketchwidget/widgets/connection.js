@@ -18,14 +18,14 @@ function render({ model, el }) {
     if (!studio || studio.classList.contains("sketchwidget-gone")) return;
     studio.classList.add("sketchwidget-gone");
     const kept = model.get("kept");
-    el.textContent = "The kernel has ended, and this Studio follows no more. Run its cell again, or reload a page without code, for a new one";
+    el.textContent = "The kernel has ended, and this Studio follows no more. ";
     if (!kept) {
-      el.append(".");
+      el.append("Run its cell again, or reload a page without code, for a new one.");
       return;
     }
     const code = document.createElement("code");
     code.textContent = `sw.Studio(sw.Session.load(${JSON.stringify(kept)}))`;
-    el.append("; what was drawn is kept, and comes back by ", code);
+    el.append("What was drawn is kept: to go on from it, run ", code, " in a cell.");
   }
 
   const onStatus = (_, status) => ENDED.includes(status) && gone();
