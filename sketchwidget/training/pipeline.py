@@ -150,6 +150,8 @@ class Pipeline:
         network = PixelShapeCNN(model.identity_size, model.expression_size, layout)
         if looked_at and network.shape_layers is None:
             raise ValueError("this network does not see lines beside pixels: it has no layers that learn again")
+        if not schedule.steps and (start is None or not looked_at):
+            raise ValueError("without steps a training only lets a network that it starts from look at drawings again")
         origin = {} if start is None else _begin_with(start, network)
         folder = self.work / f"{out.stem}-{model.fingerprint[:8]}"
         with team.leader_first():

@@ -97,3 +97,8 @@ def test_a_network_that_joins_nothing_cannot_end_so(pipeline, tmp_path):
         pipeline.train_network(
             tmp_path / "pixels.safetensors", "a test", Schedule(steps=1), replace(TINY, shape=0), looked_at=1
         )
+
+
+def test_without_steps_there_is_a_network_to_start_from(pipeline, tmp_path):
+    with pytest.raises(ValueError, match="without steps"):
+        pipeline.train_network(tmp_path / "none.safetensors", "a test", Schedule(steps=0), LAYOUT, looked_at=1)
