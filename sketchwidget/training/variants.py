@@ -26,6 +26,7 @@ _PIXELS = replace(COMPACT, shape=0)
 
 VARIANTS = {
     "PixelShapeCNN": Variant(COMPACT),
+    "PixelShapeCNN-Coefficients": Variant(replace(COMPACT, left_over=False, joined=0)),  # as the paper joins the lines
     "PixelCNN": Variant(_PIXELS),
     "PixelCNN-Wrinkle": Variant(_PIXELS, Variety(wrinkles=0.0)),
     "ShapeNN": Variant(replace(COMPACT, convolutions="none")),

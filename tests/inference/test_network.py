@@ -37,6 +37,7 @@ def linear(layers):
     ("name", "answers"),
     [
         ("PixelShapeCNN", 2),
+        ("PixelShapeCNN-Coefficients", 2),
         ("PixelCNN", 1),
         ("PixelCNN-Wrinkle", 1),
         ("ShapeNN", 1),
@@ -55,7 +56,8 @@ def test_every_variant_gives_weights_of_identity_and_expression(name, answers, p
 
 
 def test_all_variants_are_tested():
-    assert set(VARIANTS) == {"PixelShapeCNN", "PixelCNN", "PixelCNN-Wrinkle", "ShapeNN", "PixelCNNSingle", "AlexNet"}
+    others = {"PixelShapeCNN-Coefficients", "PixelCNN", "PixelCNN-Wrinkle", "ShapeNN", "PixelCNNSingle", "AlexNet"}
+    assert set(VARIANTS) == {"PixelShapeCNN", *others}
 
 
 def test_the_paper_s_layout_has_the_layers_of_alexnet(batch):
@@ -97,14 +99,14 @@ def test_pixels_are_answered_alone_and_with_the_shape(batch):
         torch.testing.assert_close(ours, theirs)
 
 
-@pytest.mark.parametrize("name", ["PixelShapeCNN", "ShapeNN", "AlexNet"])
+@pytest.mark.parametrize("name", ["PixelShapeCNN", "PixelShapeCNN-Coefficients", "ShapeNN", "AlexNet"])
 def test_what_coefficients_leave_of_the_points_counts_where_a_layout_takes_it(name, batch):
     network, (images, lines) = PixelShapeCNN(*SIZES, small(name)).eval(), batch
     moved = lines.clone()
     moved[:, sum(SIZES) :] += 1
     (*_, (identity, expression)), (*_, (other, otherwise)) = network(images, lines), network(images, moved)
     same = torch.equal(identity, other) and torch.equal(expression, otherwise)
-    assert same == (not network.layout.left_over) == (name == "AlexNet")
+    assert same == (not network.layout.left_over) == (name in ("AlexNet", "PixelShapeCNN-Coefficients"))
 
 
 def test_a_network_of_lines_alone_does_not_look_at_the_pixels(batch):
