@@ -33,7 +33,7 @@ from .tasks import Classes, Faces, Joining, Task, Weights, standardised_identiti
 from .team import Team
 
 SEED = 7
-_AGAIN, _LARGE = 30, 256  # times that drawings looked at are seen, and how many of them are a batch
+_AGAIN, _LARGE = 10, 256  # times that drawings looked at are seen, and how many of them are a batch
 _FIRST_STEPS = (5, 8)  # of 18: 500,000 and 800,000 of the paper's 1,800,000 iterations
 # Drawings that a training is followed by: the paper's augmentation, of faces as they are.
 _TEST = Variety(manners={Manner.AUGMENTED: 1.0}, mixed=0.0, blended=0.0)
