@@ -224,6 +224,8 @@ class FaceRegressor:
         if seen.outline is None:
             return View(), named
         view = _standing(curves[SILHOUETTE], seen.outline)
+        if UNNAMED not in named:
+            return view, named
         lines = {name: view.project(curves[name]) for name in FEATURES}
         guessed = name_strokes([segment.points for segment in sketch.segments], seen.outline, lines, seen.places)
         return view, tuple(new if old == UNNAMED else old for old, new in zip(named, guessed, strict=True))
