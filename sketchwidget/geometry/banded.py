@@ -40,6 +40,6 @@ class BandedCholesky:
 
     def solve(self, right: np.ndarray) -> np.ndarray:
         """The solution (n, k) for right-hand sides (n, k)."""
-        solution = np.empty_like(right)
+        solution = np.empty(right.shape)
         solution[self._order] = cho_solve_banded((self._factor, True), right[self._order], check_finite=False)
         return solution

@@ -169,7 +169,7 @@ def _nose(strokes: Mapping[int, _Extent], lines: Mapping[str, np.ndarray]) -> di
 
 
 def _mouth(strokes: Mapping[int, _Extent], lines: Mapping[str, np.ndarray], outline: Outline) -> dict[int, str]:
-    """The broadest stroke that stands where a mouth does: between the nose and the chin, in the middle."""
+    """The broadest stroke that stands where a mouth does, between nose and chin, and one that meets its ends."""
     upper, lower = lines["mouth_upper"], lines["mouth_lower"]
     width, middle = float(np.ptp(upper[:, 0])), float(upper[:, 0].mean())
     nose, chin = float(lines["nose"][:, 1].max()), float(outline.points[:, 1].max())
@@ -183,6 +183,11 @@ def _mouth(strokes: Mapping[int, _Extent], lines: Mapping[str, np.ndarray], outl
     if not there:
         return {}
     broadest = max(there, key=lambda index: there[index].width)
-    return {
-        broadest: f"mouth_{'lower' if there[broadest].y > (upper[:, 1].mean() + lower[:, 1].mean()) / 2 else 'upper'}"
-    }
+    level = (upper[:, 1].mean() + lower[:, 1].mean()) / 2
+    for index, stroke in there.items():
+        if index != broadest and stroke.meets(there[broadest]):
+            level = (stroke.y + there[broadest].y) / 2
+            break
+    else:
+        index = broadest
+    return {lip: f"mouth_{'lower' if there[lip].y > level else 'upper'}" for lip in (broadest, index)}

@@ -137,7 +137,7 @@ class Pipeline:
         In three steps it is trained as in the paper's 4.4: of the schedule's steps, so many parts of 18 go to the
         classes and to the weights as of the paper's 1.8 million iterations. Otherwise all go to the vertex loss.
 
-        At last, of `looked_at` batches of further drawings the layers in which lines join pixels learn again: what is
+        At last, of `looked_at` batches of drawings the layers in which lines join pixels learn again: what is
         before them stays, and they see each of these drawings `_AGAIN` times.
 
         Raises
@@ -171,14 +171,16 @@ class Pipeline:
         if schedule.steps:
             network = train(task, examples, schedule, folder, workers, about, unseen)
         if looked_at:
-            about += f"{schedule.steps} steps, then {looked_at} batches "
-            again = Schedule(max(1, looked_at * schedule.batch * _AGAIN // _LARGE), _LARGE, rate=1e-3)
-            folder.mkdir(parents=True, exist_ok=True)
-            drawings = folder / f"looked-at-{hashlib.sha256(about.encode()).hexdigest()[:8]}.npz"
-            with team.leader_first():
-                if not drawings.exists():
-                    examples.start = schedule.steps
-                    LookedAt.by(network, examples, looked_at, 2 * workers).save(drawings)
+            # Each of a team looks at drawings of its own.
+            about += f"{network.layout.to_json()} {schedule}, then {looked_at} batches of {team.size} {_AGAIN} times "
+            share = looked_at // team.size
+            digest = hashlib.sha256(about.encode()).hexdigest()[:8]
+            drawings = folder / f"looked-at-{digest}-{team.rank}.npz"
+            if not drawings.exists():
+                folder.mkdir(parents=True, exist_ok=True)
+                examples.start, examples.stride = schedule.steps * team.size + team.rank, team.size
+                LookedAt.by(network, examples, share, 2 * workers).save(drawings)
+            again = Schedule(max(1, share * schedule.batch * _AGAIN // _LARGE), _LARGE, rate=1e-3)
             joining, seen = Joining(network, model, vertex_metric(model)), Again(LookedAt.load(drawings), _LARGE, SEED)
             network = train(joining, seen, again, folder / "joining", 0, about)
         if team.leads:

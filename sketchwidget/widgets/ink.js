@@ -145,8 +145,9 @@ async function render({ model, el }) {
   function repaint() {
     const { width, height } = wet.canvas;
     // In halves: some browsers forget it when a canvas is cleared whole and nothing is drawn after that.
-    wet.ctx.clearRect(0, 0, width, height / 2);
-    wet.ctx.clearRect(0, height / 2, width, height / 2);
+    const half = Math.floor(height / 2);
+    wet.ctx.clearRect(0, 0, width, half);
+    wet.ctx.clearRect(0, half, width, height - half);
     for (const one of waiting.values()) if (one.tool === 0) draw(one, 0);
     if (stroke) stroke.drawn = draw(stroke, 0);
     wet.trigger("new-frame");

@@ -103,8 +103,8 @@ def _lines(sketch: Sketch, size: int) -> list[np.ndarray]:
 
 def _stroke(layer: Canvas, lines: dict[str, list[np.ndarray]], size: int) -> None:
     # In halves: some browsers forget it when a canvas is cleared whole and nothing is drawn after that.
-    layer.clear_rect(0, 0, size, size / 2)
-    layer.clear_rect(0, size / 2, size, size / 2)
+    layer.clear_rect(0, 0, size, size // 2)
+    layer.clear_rect(0, size // 2, size, size - size // 2)
     layer.line_cap = layer.line_join = "round"
     layer.line_width = LINE_WIDTH * size
     for colour, points in lines.items():

@@ -110,8 +110,9 @@ function render({ model, el }) {
     if (ink.width !== size) ink.width = ink.height = size;
     const ctx = ink.getContext("2d");
     // In halves: some browsers forget it when a canvas is cleared whole and nothing is drawn after that.
-    ctx.clearRect(0, 0, size, size / 2);
-    ctx.clearRect(0, size / 2, size, size / 2);
+    const half = Math.floor(size / 2);
+    ctx.clearRect(0, 0, size, half);
+    ctx.clearRect(0, half, size, size - half);
     const project = handles.length || border.length ? projector(viewOf(host.sketchwidget.camera)) : null;
     ctx.lineCap = ctx.lineJoin = "round";
     ctx.lineWidth = 0.004 * size;

@@ -126,6 +126,8 @@ def test_a_mouth_far_from_where_the_network_sees_one_is_a_mouth_and_not_a_wrinkl
     for count in range(6, len(strokes) + 1):
         names = regressor.infer(Sketch.from_strokes(strokes[:count])).names
         assert names[5].startswith("mouth"), f"after {count} strokes: {names}"
+    lips = [*strokes[:5], arc([0.36, 0.72], [0.5, 0.74], [0.64, 0.72]), arc([0.36, 0.72], [0.5, 0.82], [0.64, 0.72])]
+    assert all(name.startswith("mouth") for name in regressor.infer(Sketch.from_strokes(lips)).names[5:])
     chin = [0.47, 0.84], [0.5, 0.845], [0.53, 0.84]
     assert regressor.infer(Sketch.from_strokes([*strokes, arc(*chin)])).names[-1] == "wrinkle"
 
