@@ -27,7 +27,8 @@ class BandedCholesky:
     """
 
     def __init__(self, matrix: Any) -> None:
-        matrix = sparse.csr_matrix(matrix)
+        matrix = sparse.csr_matrix(matrix, copy=True)
+        matrix.sum_duplicates()
         self._order = reverse_cuthill_mckee(matrix, symmetric_mode=True)
         place = np.empty_like(self._order)
         place[self._order] = np.arange(len(place))

@@ -8,7 +8,7 @@ import numpy as np
 from scipy.spatial import KDTree
 
 from ..sketch import FEATURES, SILHOUETTE, resample_each
-from .shape_code import COUNTS, ShapeModel, split_lines
+from .shape_code import POINTS, ShapeModel, split_lines
 from .soft_limit import soft_limit
 
 # Lines that one stroke may draw together: an ellipse is two eye contours, one line a closed mouth.
@@ -19,9 +19,7 @@ GROUPS = {
 
 # Which points of the shape model belong to the lines that may be one stroke.
 PLACES = {
-    group: np.concatenate(
-        [at for name, at in split_lines(np.arange(sum(COUNTS.values()))).items() if GROUPS[name] == group]
-    )
+    group: np.concatenate([at for name, at in split_lines(np.arange(POINTS)).items() if GROUPS[name] == group])
     for group in dict.fromkeys(GROUPS.values())
 }
 

@@ -68,8 +68,7 @@ def name_strokes(
         if places[index] == "inside" and index not in outline.strokes
     }
     by_place = _nose(inner, lines) | _eyes_and_brows(inner, lines, "left") | _eyes_and_brows(inner, lines, "right")
-    found = {names[best] for best, one in zip(nearest, distance.min(axis=0), strict=True) if np.isfinite(one)}
-    if not any("mouth" in name for name in found):
+    if not any("mouth" in names[nearest[index]] and np.isfinite(distance[:, index]).any() for index in inner):
         by_place |= _mouth({index: stroke for index, stroke in inner.items() if index not in by_place}, lines, outline)
 
     def name(index: int) -> str:

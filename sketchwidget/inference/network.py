@@ -122,7 +122,7 @@ class PixelShapeCNN(nn.Module):
     Parameters
     ----------
     identity_size, expression_size : int
-        The shape-level input has as many coefficients.
+        The shape-level input has as many coefficients, and with `Layout.left_over` 2 n numbers more.
     layout : Layout
     """
 

@@ -13,14 +13,14 @@ from ..geometry.view import CANVAS_MM
 from ..sketch import SILHOUETTE
 from .framing import Frame
 from .matching import PLACES
-from .shape_code import COUNTS, LINES, OUTLINE_STEP, sample_indices
+from .shape_code import COUNTS, LINES, OUTLINE_STEP, POINTS, sample_indices
 
 Match = Callable[[np.ndarray, bool], tuple[np.ndarray, np.ndarray]]
 
 # Canvas units by which people misplace a feature as a whole, and by which its points miss the line that they mean.
 _MISPLACED, _MISDRAWN = 0.015, 0.01
 # Which points belong to each feature, (features, points): a feature is what may be drawn by one stroke.
-_MEMBERS = np.stack([np.isin(np.arange(sum(COUNTS.values())), at) for at in PLACES.values()]).astype(np.float64)
+_MEMBERS = np.stack([np.isin(np.arange(POINTS), at) for at in PLACES.values()]).astype(np.float64)
 _ERRORS = (0.45, 0.6)  # standard deviations by which the network misses identity and expression weights
 _PLACE_ERROR = 0.02  # of scale, and canvas units of place, by which the frames of drawing and head differ
 

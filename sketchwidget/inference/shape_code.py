@@ -120,9 +120,9 @@ class ShapeModel:
         return np.concatenate([codes, self.left_over(codes, points, seen)], axis=1)
 
     def left_over(self, codes: np.ndarray, points: np.ndarray, seen: np.ndarray) -> np.ndarray:
-        """How far points are from where coefficients (b, p + q) have them: (b, 2 n), in units of the noise of drawing.
+        """How far points are from where coefficients (b, p + q) have them: (b, 2 n), 4 times the noise of drawing at most.
 
-        Parameters otherwise as `encode` has them; what is not seen is 0.
+        Parameters otherwise as `encode` has them: what counts less is less off, what is not seen is 0.
         """
         off = np.where(seen[..., None] > 0, seen[..., None] * (points - self.decode(codes)), 0.0) / _NOISE
         return np.clip(off, -_LEFT_OVER, _LEFT_OVER).reshape(len(codes), -1).astype(np.float32)

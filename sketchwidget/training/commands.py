@@ -104,16 +104,22 @@ def network(
     variant: Annotated[str, typer.Option(help="A row of Table 2: PixelShapeCNN, PixelCNN, ShapeNN, ...")] = (
         "PixelShapeCNN"
     ),
-    steps: Annotated[int, typer.Option(min=0, help="Batches of 32 drawings.")] = 15_000,
+    steps: Annotated[
+        int, typer.Option(min=0, help="Batches of 32 drawings; 0 only with --start and --looked-at.")
+    ] = 15_000,
     looked_at: Annotated[
-        int, typer.Option(min=0, help="Batches more, of which what joins lines and pixels learns again and again.")
+        int,
+        typer.Option(
+            min=0, help="At last so many batches are looked at once; what joins lines and pixels learns of them."
+        ),
     ] = 0,
     drawings: Annotated[Path | None, typer.Option(help="Drawings by people, to train on too.")] = None,
     in_three_steps: Annotated[
         bool, typer.Option("--in-three-steps", help="As in the paper: classes, then weights, then faces.")
     ] = False,
     start: Annotated[
-        Path | None, typer.Option(help="A network of the same variant to begin with; random weights by default.")
+        Path | None,
+        typer.Option(help="A network to begin with, alike but for how lines join pixels; else random weights."),
     ] = None,
     work: Work = Path("runs"),
     tiny: Annotated[bool, typer.Option("--tiny", help="A few small steps, in a minute, to see it run.")] = False,

@@ -9,7 +9,7 @@ import numpy as np
 from ..database.drawings import Drawing
 from ..face.model import FaceModel
 from ..inference.normalise import normalise
-from ..inference.shape_code import COUNTS
+from ..inference.shape_code import POINTS
 from ..sketch import Sketch
 from ..sketch.augment import deform_lines
 from .manners import Drawn
@@ -53,6 +53,6 @@ class DrawnExamples:
         """One drawing, bent, and the code (k,) and standardised expression weights (q,) of its head."""
         number = int(random.integers(len(self)))
         seen = normalise([segment.points for segment in deform_lines(self._sketches[number], random).segments])
-        nothing = np.zeros(sum(COUNTS.values()), dtype=bool)  # whose lines they are, nobody said
+        nothing = np.zeros(POINTS, dtype=bool)  # whose lines they are, nobody said
         drawn = Drawn(seen.face | seen.ears, np.zeros((len(nothing), 2)), nothing)
         return drawn, self._codes[number], self._poses[number]

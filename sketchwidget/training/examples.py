@@ -12,7 +12,8 @@ from torch.utils.data import IterableDataset, get_worker_info
 
 from ..face.exaggeration import LEVELS
 from ..geometry.view import View
-from ..inference.shape_code import ShapeModel
+from ..inference.matching import DrawnLines, shape_code
+from ..inference.shape_code import ShapeModel, split_lines
 from ..sketch.hand import PARTS, Hand
 from .drawings import DrawnExamples
 from .face_table import FaceTable
@@ -22,7 +23,8 @@ from .reshaping import Reshaping
 # How often expressions are drawn, others once: people draw jaws, not puffed cheeks, and by hand mostly faces at rest.
 _RARE = {"cheek_puff": 0.2, "blowfish": 0.2}
 _BY_HAND = _RARE | {"neutral": 8.0, "smile": 3.0}
-_LEVELS_BY_HAND = np.array([1.0, 0.7, 0.4, 0.2])  # how often people mean each level of exaggeration
+_LEVELS_BY_HAND = np.array([1.0, 0.8, 0.6, 0.4])  # how often people mean each level of exaggeration
+_MISSED = 0.5  # standard deviations by which the lines that matching begins with miss the drawn ones
 _OTHERS = 4  # people that a face is blended with
 _QUIET_MOUTHS = ("neutral", "eyes_closed")  # what a face without a drawn mouth may be doing
 
@@ -50,6 +52,9 @@ class Variety:
         Noise of the view, degrees, in all but exact drawings.
     hand : Hand
         Who draws freehand.
+    found : float
+        Share of drawings whose lines are found as in a Studio, by matching lines that are near to their ink; of the
+        others it is known which point is which.
     people : float
         Share of examples that are drawings by people, where there are some.
     """
@@ -64,6 +69,7 @@ class Variety:
     missing: float = 0.06
     view: float = 2.5
     hand: Hand = field(default_factory=Hand)
+    found: float = 0.5
     people: float = 0.1
 
 
@@ -197,11 +203,23 @@ class Examples(Batches):
         """Batch `number`."""
         random = np.random.default_rng([self.seed, number])
         drawn, codes, poses, people = zip(*(self.example(random) for _ in range(self.batch)), strict=True)
-        shapes = self._shape_model.describe(
-            np.stack([one.points for one in drawn]), np.stack([one.seen for one in drawn])
-        )
+        points, seen = np.stack([one.points for one in drawn]), np.stack([one.seen for one in drawn])
+        shapes = self._shape_model.describe(points, seen)
+        for row in np.flatnonzero(random.random(len(drawn)) < self.variety.found):
+            shapes[row] = self._found(points[row], seen[row], shapes[row], random)
         images = np.stack([one.image for one in drawn])[:, None]
         return Batch(images, shapes, np.stack(codes), np.stack(poses), np.array(people))
+
+    def _found(
+        self, points: np.ndarray, seen: np.ndarray, shape: np.ndarray, random: np.random.Generator
+    ) -> np.ndarray:
+        """What a Studio makes of the seen ones of points (n, 2) whose true description is `shape`."""
+        model = self._shape_model
+        lines, drawn = split_lines(points), split_lines(seen)
+        names = [name for name in lines if drawn[name].any() and not name.endswith("ear")]
+        missed = shape[: model.size] + random.normal(0.0, _MISSED, model.size).astype(np.float32)
+        ink = DrawnLines([lines[name][drawn[name]] for name in names], names)
+        return shape_code(model, model.decode(missed[None])[0], ink)
 
     def example(self, random: np.random.Generator) -> tuple[Drawn, np.ndarray, np.ndarray, int]:
         """One drawing, the code (k,) and expression weights (q,) of its face, and whose it is."""

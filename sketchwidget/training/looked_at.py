@@ -24,11 +24,11 @@ class LookedAt:
 
     Parameters
     ----------
-    features : (n, f) float16 array
+    features : (m, f) float16 array
         Those of one branch after the other.
-    shapes : (n, p + q + 2 n) float16 array
-    codes : (n, k) float32 array
-    poses : (n, q) float32 array
+    shapes : (m, p + q + 2 n) float16 array
+    codes : (m, k) float32 array
+    poses : (m, q) float32 array
         As `Batch` has them.
     """
 

@@ -182,7 +182,7 @@ class Pipeline:
                 LookedAt.by(network, examples, share, 2 * workers).save(drawings)
             again = Schedule(max(1, share * schedule.batch * _AGAIN // _LARGE), _LARGE, rate=1e-3)
             joining, seen = Joining(network, model, vertex_metric(model)), Again(LookedAt.load(drawings), _LARGE, SEED)
-            network = train(joining, seen, again, folder / "joining", 0, about)
+            network = train(joining, seen, again, folder / f"joining-{digest}", 0, about)
         if team.leads:
             made = provenance(command, ("torch", "numpy", "opencv-python-headless")) | self.database.origin | origin
             save_network(out, network, standardisation(model), self.shape_model, model, made)

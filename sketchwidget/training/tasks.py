@@ -83,7 +83,7 @@ class Faces(Task):
 
 
 class Joining(Faces):
-    """The same of the answer with the shape alone, from features in place of images: all before them stays.
+    """The same of the one answer that joins lines and pixels, from features in place of images: all before them stays.
 
     Parameters
     ----------
@@ -93,11 +93,9 @@ class Joining(Faces):
         See `vertex_metric`.
     """
 
-    columns = ("shape",)
-
     def __init__(self, network: PixelShapeCNN, model: FaceModel, metric: np.ndarray) -> None:
         super().__init__(network, model, metric)
-        self.columns = Joining.columns
+        self.columns = ("shape",)
         network.requires_grad_(False)
         for layers in (network.shape_layers, network.shape_outputs):
             if layers is None:

@@ -73,13 +73,14 @@ class Caricaturing(Tab):
 
     def _follow(self, marked: Marked, done: bool) -> None:
         landmarks, fitted = marked.landmarks, self._fitted
-        self._fitting = False
         if landmarks is None:
+            self._fitting = False
             self._worker.drop()
             self._fitted = None
             self._renew(passing=False)
             return
         if fitted is not None and fitted.done and fitted.marked is marked:
+            self._fitting = False
             self._worker.drop()
             self._renew(passing=False)
             return
@@ -100,7 +101,7 @@ class Caricaturing(Tab):
         self._worker.do(job)
 
     def _on_fit(self, fitted: _Fitted) -> None:
-        self._fitting = False
+        self._fitting = self._worker.waits
         another = self._fitted is None or self._fitted.marked.picture is not fitted.marked.picture
         self._fitted, self.timings = fitted, {"fit": fitted.milliseconds}
         if another:
@@ -113,7 +114,7 @@ class Caricaturing(Tab):
             self._status.say(FITTED.format(100 * fitted.fit.rmse / eyes), self.expected)
 
     def _on_failure(self, error: Exception) -> None:
-        self._fitting = False
+        self._fitting = self._worker.waits
         if self._active:  # else it fails again, and is told, once the tab is on show
             self._status.fail(f"There is no head for these landmarks, the one before is kept: {sentence(error)}")
 

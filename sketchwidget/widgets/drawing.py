@@ -21,7 +21,7 @@ from .welcome import beyond
 FRONT, SIDES = "front", {"left": "right", "right": "left"}
 
 # What is said when a toggle is switched on, and off.
-SWITCHED = {
+_SWITCHED = {
     "mirror": ("Each stroke is drawn on both sides.", "Strokes are drawn on one side."),
     "ghost": ("The head's own lines lie under the ink.", "The head's own lines are hidden."),
     "live": ("The head follows while you draw.", "The head follows once a stroke has ended."),
@@ -120,7 +120,7 @@ class Drawing:
         return True
 
     def _on_switch(self, name: str, on: bool) -> None:
-        said, otherwise = SWITCHED[name]
+        said, otherwise = _SWITCHED[name]
         self._status.say(said if on else otherwise, self._expected())
 
     def _on_stroke(self, points: np.ndarray, tool: str, mirror: bool) -> None:

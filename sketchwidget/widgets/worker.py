@@ -37,6 +37,11 @@ class Worker(Generic[T]):
         self._counts: Callable[[Report], T] | None = None  # the job of which anything is told
         self._working: asyncio.Task[None] | None = None
 
+    @property
+    def waits(self) -> bool:
+        """Whether another job follows the one that is being done."""
+        return self._next is not None
+
     def do(self, job: Callable[[Report], T]) -> None:
         """Do a job: ``job(report)`` gives its result, and may call ``report(value)`` on its way."""
         self._next = job
