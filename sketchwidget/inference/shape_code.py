@@ -120,7 +120,7 @@ class ShapeModel:
         return np.concatenate([codes, self.left_over(codes, points, seen)], axis=1)
 
     def left_over(self, codes: np.ndarray, points: np.ndarray, seen: np.ndarray) -> np.ndarray:
-        """How far points are from where coefficients (b, p + q) have them: (b, 2 n), 4 times the noise of drawing at most.
+        """How far points are from where coefficients (b, p + q) have them: (b, 2 n), 4 times the drawing noise at most.
 
         Parameters otherwise as `encode` has them: what counts less is less off, what is not seen is 0.
         """
