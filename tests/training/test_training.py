@@ -465,7 +465,10 @@ def test_networks_are_evaluated_beside_the_mean_face_and_the_best_fit(
         (["train", "face"], "Missing argument"),
         (["train", "face", "nowhere", "--out", "face"], "nowhere holds no face database"),
         (["train", "network", "nowhere", "--out", "net", "--tiny"], "nowhere holds no face database"),
-        (["train", "network", "nowhere", "--out", "net", "--variant", "PixelRNN"], "one of PixelShapeCNN, PixelShapeCNN-Coefficients, PixelCNN"),
+        (
+            ["train", "network", "nowhere", "--out", "net", "--variant", "PixelRNN"],
+            "one of PixelShapeCNN, PixelShapeCNN-Coefficients, PixelCNN",
+        ),
         (["train", "network", "nowhere", "--out", "net", "--steps", "-1"], "Invalid value for '--steps'"),
         (["evaluate"], "Missing argument"),
         (["evaluate", "nowhere", "--out", "table"], "nowhere holds no face database"),
