@@ -95,6 +95,8 @@ class DrawnLines:
 def shape_code(model: ShapeModel, points: np.ndarray, drawn: DrawnLines) -> np.ndarray:
     """A drawing's lines as `ShapeModel.describe` has them (p + q + 2 n,), from a guess of where they are.
 
+    Coefficients go no further than those of heads do; what is left of the points is what they left before that.
+
     Parameters
     ----------
     model : ShapeModel

@@ -173,7 +173,7 @@ class Pipeline:
         if looked_at:
             # Each of a team looks at drawings of its own.
             about += f"{network.layout.to_json()} {schedule}, then {looked_at} batches of {team.size} {_AGAIN} times "
-            share = looked_at // team.size
+            share = max(1, looked_at // team.size)
             digest = hashlib.sha256(about.encode()).hexdigest()[:8]
             drawings = folder / f"looked-at-{digest}-{team.rank}.npz"
             if not drawings.exists():
