@@ -186,11 +186,15 @@ class Modeller:
                 del self._heads[number]
                 self._heads.append((known, modelled))
                 return modelled
-        modelled = self._unrefined(replace(state, refinement=UNREFINED))
-        if modelled.layers.refinement is not state.refinement.layer:
-            modelled = replace(modelled, layers=modelled.layers.refined(state.refinement.layer))
+        modelled = _refined(self._unrefined(replace(state, refinement=UNREFINED)), state)
         self._heads.append((state, replace(modelled, timings={})))
         return modelled
+
+    def obeying(self, state: State, opened: State) -> Modelled:
+        """The head whose lines are those of a state, and which is inferred as before one of them was opened."""
+        assert state.followup is not None and opened.followup is not None and opened.followup.before is not None
+        below = replace(self._unedited(opened.followup.before), names=_names(state.sketch), timings={})
+        return _refined(self._obeying(below, state.sketch, state.followup), state)
 
     def _unrefined(self, state: State) -> Modelled:
         """The head of a state without refinement; the last is remembered, so that gestures infer nothing."""
@@ -254,6 +258,12 @@ class Modeller:
         _ = layers.head
         timings = {**inferred.timings, "deformation": _milliseconds_since(started)}
         return Modelled(layers, frame, inferred.names, timings)
+
+
+def _refined(modelled: Modelled, state: State) -> Modelled:
+    """A head with what gestures made of it."""
+    layer = state.refinement.layer
+    return modelled if modelled.layers.refinement is layer else replace(modelled, layers=modelled.layers.refined(layer))
 
 
 def _edited(sketch: Sketch) -> set[str]:

@@ -185,13 +185,15 @@ class Session(HasTraits):
     def preview(self, points: Any, view: str = "front", mirror: bool = False) -> Modelled:
         """What `draw` would give; nothing changes.
 
-        For a stroke that is still being drawn. Parameters and errors are those of `draw`. Of a line that was erased,
-        what the stroke has not come to yet is where it was.
+        For a stroke that is still being drawn. Parameters and errors are those of `draw`. While a line that was erased
+        is drawn anew, the head obeys it, but nothing is inferred from it yet; what the stroke has not come to is where
+        it was.
         """
         state, stroke = self._history.state, Draw(points, view, mirror)
-        if view == "front" and self.gap is not None:
-            stroke = replace(stroke, points=carried_on(self.gap, stroke.points))
-        return self._modeller.head(apply(state, stroke, self._modeller))
+        if view != "front" or self.gap is None:
+            return self._modeller.head(apply(state, stroke, self._modeller))
+        stroke = replace(stroke, points=carried_on(self.gap, stroke.points))
+        return self._modeller.obeying(apply(state, stroke, self._modeller), state)
 
     def erase(self, points: Any, radius: float = 0.02) -> bool:
         """Erase the ink under the eraser.

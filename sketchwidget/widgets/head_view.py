@@ -54,8 +54,8 @@ class HeadView:
                 "index": three.BufferAttribute(np.asarray(face.faces, dtype=np.uint32).ravel(), normalized=False),
             }
         )
-        clay = three.MeshStandardMaterial(
-            color="#ffffff", vertexColors="VertexColors", roughness=0.72, metalness=0.0, side="DoubleSide"
+        clay = three.MeshLambertMaterial(
+            color="#ffffff", vertexColors="VertexColors", side="DoubleSide"
         )
         mesh = three.Mesh(geometry, clay, frustumCulled=False)
         position = CAMERA_DISTANCE * View.preset(preset).rotation[2]

@@ -420,6 +420,16 @@ def test_while_a_line_is_drawn_the_rest_of_it_is_as_it_was(session):
     assert drawn.min() > 5
 
 
+def test_while_a_line_is_drawn_anew_nothing_is_inferred_again(session, monkeypatch):
+    points = erase_feature(session, "left_brow")
+    session.preview(points[:10] - np.array([0, 0.02]))
+    inferred = []
+    monkeypatch.setattr(session.regressor, "infer", lambda sketch: inferred.append(sketch))
+    heads = [session.preview(points - np.array([0, rise])).face for rise in (0.01, 0.03)]
+    low, high = (head.curve("left_brow")[:, 1].mean() for head in heads)
+    assert high > low + 1 and not inferred
+
+
 def test_while_a_profile_is_drawn_the_head_follows(session):
     line = session.profile()[45:75] - [0.03, 0]
     heads = [session.preview(line[:count], view="left").face for count in (10, 20, 30)] * 2
