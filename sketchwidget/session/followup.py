@@ -14,6 +14,7 @@ from sketchwidget.geometry.view import View
 from sketchwidget.sketch import SILHOUETTE, UNNAMED, WRINKLE, Piece, Segment, Sketch
 from sketchwidget.sketch.crossing import swept
 from sketchwidget.sketch.erase import first_touched
+from sketchwidget.sketch.fairing import faired
 from sketchwidget.sketch.gap import Gap, GapError, closed, feature_gap, fill, outline_gap
 from sketchwidget.sketch.partner import follow, partner_of
 from sketchwidget.sketch.piece import handle_points, joined, slid
@@ -274,7 +275,7 @@ def _redrawn(before: Sketch, opened: Sketch, gap: Gap, stroke: np.ndarray) -> Sk
         outline = closed(kept[0], new)
         _refuse_crossing(before, gap.erased, new)
         return _with_line(opened, SILHOUETTE, [outline])
-    line = sorted([*kept, new], key=lambda piece: piece.low)
+    line = sorted([*kept, faired(new, kept)], key=lambda piece: piece.low)
     sketch = _with_line(opened, gap.name, line)
     partner = partner_of(gap.name)
     former = pieces_of(before, gap.name)

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from .fairing import HELD, fair
 from .piece import Piece, joined
 
 _SUFFIXES = {"_upper": "_lower", "_lower": "_upper"}
@@ -39,14 +40,17 @@ def follow(partner: Sequence[Piece], former: Sequence[Piece], redrawn: Sequence[
     )
     turn = (d - c) / (b - a) if a != b else 1.0
     along, across = _in_axes(_complex(joined(redrawn).points), c, d)
-    runs = np.maximum.accumulate(along)
     below = 1.0 if redrawn[0].name.endswith("_upper") == (d.real > c.real) else -1.0
-    moved = []
-    for piece in partner:
-        place, height = _in_axes(c + turn * (_complex(piece.points) - a), c, d)
-        height = below * np.maximum(below * height, below * np.interp(place, runs, across))
-        there = c + (place + 1j * height) * _unit(d - c)
-        moved.append(piece.moved(np.stack([np.real(there), np.imag(there)], axis=1)))
+    line = joined(partner)
+    place, height = _in_axes(c + turn * (_complex(line.points) - a), c, d)
+    lacking = np.maximum(below * (np.interp(place, np.maximum.accumulate(along), across) - height), 0.0)
+    lacking[[0, -1]] = 0.0
+    if lacking.any():
+        height += below * fair(line.at, lacking[:, None], np.where(lacking, 1.0, HELD))[:, 0]
+    there = c + (place + 1j * height) * _unit(d - c)
+    points = np.stack([np.real(there), np.imag(there)], axis=1)
+    ends = np.cumsum([len(piece.points) for piece in partner])[:-1]
+    moved = [piece.moved(part) for piece, part in zip(partner, np.split(points, ends), strict=True)]
     return _with_corners(moved, redrawn[0].points[0], redrawn[-1].points[-1])
 
 
