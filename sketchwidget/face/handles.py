@@ -21,7 +21,7 @@ LINES = (SILHOUETTE, *FEATURES)
 Way = Literal["linear", "turning", "unfolded"]
 
 _SOFTNESS = 1e-2  # mm^2 of the energy: a drawn line is met within tenths of a millimetre, not every tremor in it
-_GIVING_WAY = 1e-3  # mm^2: the same, where the skin is unfolded
+_GIVING_WAY = 6e-4  # mm^2: the same, where the skin is unfolded
 _ANCHOR = 100.0**-4  # 1 / mm^4: the back of the head stays
 # Landmarks on the middle of the face from the root of the nose down: the profile runs through them.
 _UPPER, _LOWER = (27, 28, 29, 30, 33, 51, 62), (66, 57, 8)

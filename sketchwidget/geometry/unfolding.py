@@ -18,6 +18,7 @@ _WATCHED = 0.5  # of one that may fold while others open
 _RINGS = 6  # of vertices about folds that give way
 _PULL, _HARDER = 30.0, 1.2  # of watched triangles, against what is about them; and how much more in each stage
 _STAGES, _ROUNDS = 20, 8
+_STAYS = 1e-6  # of the energy of a vertex that moves by 1
 
 
 class Unfolding:
@@ -114,7 +115,8 @@ class Unfolding:
     def _energy(self, held: bytes) -> Any:
         """Of displacements of the mesh (n, n), with the handles that stay."""
         handles = self._handles[np.frombuffer(held, dtype=bool)]
-        return self._stiffness + handles.T @ handles / self._softness
+        rest = _STAYS * sparse.identity(self._shape[1])  # where nothing is held, it could be anywhere
+        return self._stiffness + handles.T @ handles / self._softness + rest
 
     def _correction(self, free: np.ndarray, held: np.ndarray, surface: PlaneMaps, after: np.ndarray) -> np.ndarray:
         """How points (v,) in the plane are displaced further by free vertices that unfold triangles."""

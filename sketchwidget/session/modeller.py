@@ -181,13 +181,20 @@ class Modeller:
 
     def head(self, state: State) -> Modelled:
         """The head of a state; those of the states asked for last are remembered, and take no time."""
-        for number, (known, modelled) in enumerate(self._heads):
-            if known is state:
+        modelled = self.tried(state)
+        self._heads[-1] = (state, replace(modelled, timings={}))
+        return modelled
+
+    def tried(self, state: State) -> Modelled:
+        """The head of a state that may come to nothing; if it does not, `head` still tells what it took."""
+        for number, known in enumerate(self._heads):
+            if known[0] is state:
+                modelled = known[1]
                 del self._heads[number]
-                self._heads.append((known, modelled))
-                return modelled
-        modelled = _refined(self._unrefined(replace(state, refinement=UNREFINED)), state)
-        self._heads.append((state, replace(modelled, timings={})))
+                break
+        else:
+            modelled = _refined(self._unrefined(replace(state, refinement=UNREFINED)), state)
+        self._heads.append((state, modelled))
         return modelled
 
     def obeying(self, state: State, opened: State) -> Modelled:
@@ -220,13 +227,17 @@ class Modeller:
     def lined(self, state: State) -> Modelled:
         """The head that the lines of the front view alone give in follow-up sketching, without a drawn profile.
 
-        That of the last sketch is remembered, so that a drag of the profile deforms once.
+        That of the last sketch is remembered, and the one that editing began with does not change until a line does, so
+        that a drag of the profile deforms once.
         """
         assert state.followup is not None
-        sketch, residual = state.sketch, state.residual
+        sketch, residual, start = state.sketch, state.residual, state.followup.start
         if self._lined is not None and self._lined[0] is sketch and self._lined[1] is residual:
             return self._lined[2]
-        lined = self._obeying(self._unedited(state), sketch, replace(state.followup, profile=None))
+        below = self._unedited(state)
+        if sketch == state.followup.lines and np.array_equal(below.face.vertices, start.layers.drawn.vertices):
+            return start
+        lined = self._obeying(below, sketch, replace(state.followup, profile=None))
         self._lined = (sketch, residual, replace(lined, timings={}))
         return lined
 

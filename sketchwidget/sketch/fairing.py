@@ -1,46 +1,52 @@
-"""Lines that a subdivided surface can have: cubic splines with a knot at every second handle point."""
+"""Lines that a subdivided surface can have (Catmull and Clark 1978)."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 
 import numpy as np
-from scipy.interpolate import make_lsq_spline
+from scipy.interpolate import BSpline, make_lsq_spline
 
 from .piece import Piece, joined
 
 _DEGREE = 3
-_COARSE = 2  # handle points from one vertex of the coarse mesh to the next: a Catmull-Clark step halves its edges
-HELD = 1e3  # times the weight of others that a value has which should stay
+_HELD = 1e3  # times the weight of others that a value has which should stay
+_SAMPLES = 4  # from handle point to handle point
 
 
-def fair(at: np.ndarray, values: np.ndarray, weights: np.ndarray) -> np.ndarray:
-    """The nearest values along a line that a subdivided surface can have, by least squares.
+def fair(at: np.ndarray, values: np.ndarray, held: Sequence[tuple[float, float]], step: int) -> BSpline:
+    """The nearest curve to values along a line that the handle points of a head can be on.
 
-    The handle points of a line are one step of subdivision of the vertices of a coarse mesh, which is a step towards a
-    cubic spline.
+    Handle points come from the vertices of a coarse mesh, half as many, by a step of subdivision, whose limit is a
+    cubic spline: of the splines with a knot at every second handle point this is the nearest one by least squares.
 
     Parameters
     ----------
     at : (n,) array
         Places on the line as numbers of handle points, not descending.
     values : (n, d) array
-    weights : (n,) array
-        Of their squared distances.
+    held : sequence of (float, float)
+        From where to where on the line the values should stay.
+    step : int
+        Handle points from knot to knot; more than two for what a head cannot have even so.
 
     Returns
     -------
-    (n, d) float64 array
+    BSpline
+        Takes places (k,) to values (k, d).
     """
-    places, first = np.unique(at, return_index=True)
-    low, high = places[[0, -1]]
-    inner = np.arange(low + 2 * _COARSE, high - 2 * _COARSE + 0.5, _COARSE)
+    low, high = at[0], at[-1]
+    inner = np.arange(low + 2 * step, high - 2 * step + 0.5, step)
     knots = np.concatenate([np.full(_DEGREE + 1, low), inner, np.full(_DEGREE + 1, high)])
-    spline = make_lsq_spline(places, values[first].astype(np.float64), knots, _DEGREE, np.sqrt(weights[first]))
-    return spline(at)
+    places = _even(low, high)
+    even = np.stack([np.interp(places, at, column) for column in values.T], axis=1)
+    weights = np.ones(len(places))
+    for start, end in held:
+        weights[(places >= start) & (places <= end)] = _HELD
+    return make_lsq_spline(places, even, knots, _DEGREE, np.sqrt(weights))
 
 
-def faired(drawn: Piece, kept: Sequence[Piece]) -> Piece:
+def faired(drawn: Piece, kept: Sequence[Piece], step: int) -> Piece:
     """A piece that was drawn, without the kinks that no head can have; it joins the rest of its line smoothly.
 
     Parameters
@@ -48,13 +54,15 @@ def faired(drawn: Piece, kept: Sequence[Piece]) -> Piece:
     drawn : Piece
     kept : sequence of Piece
         The others of its line: they stay.
-
-    Returns
-    -------
-    Piece
-        With its points at the same places.
+    step : int
+        As of `fair`.
     """
     line = joined(sorted([drawn, *kept], key=lambda piece: piece.low))
-    new = (line.at >= drawn.low) & (line.at <= drawn.high)
-    weights = np.where(new, (drawn.high - drawn.low) / len(drawn.at), HELD)
-    return drawn.moved(fair(line.at, line.points, weights)[new])
+    places = _even(drawn.low, drawn.high)
+    curve = fair(line.at, line.points, [(piece.low, piece.high) for piece in kept], step)
+    return Piece(drawn.name, curve(places), places)
+
+
+def _even(low: float, high: float) -> np.ndarray:
+    """Places from one to another, with all handle points between them."""
+    return np.linspace(low, high, int(_SAMPLES * (high - low)) + 1)

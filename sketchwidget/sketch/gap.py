@@ -68,23 +68,21 @@ class Gap:
 
 
 def feature_gap(whole: Sequence[Piece], low: float, high: float) -> tuple[list[Piece], Gap]:
-    """Erase the pieces of a feature line between two places.
+    """Erase what pieces of a feature line have between two places.
 
     Parameters
     ----------
     whole : sequence of Piece
         All pieces of the line, in its order.
     low, high : float
-        From the beginning of the first to the end of the last piece that goes.
+        The first and the last handle point that go.
 
     Returns
     -------
     kept : list of Piece
     gap : Gap
     """
-    before = [piece for piece in whole if piece.high < low]
-    after = [piece for piece in whole if piece.low > high]
-    gone = [piece for piece in whole if low <= piece.low and piece.high <= high]
+    before, gone, after = _parts(whole, -np.inf, low - 1), _parts(whole, low, high), _parts(whole, high + 1, np.inf)
     first = [_point_of(before[-1], -1)] if before else []
     last = [_point_of(after[0], 0)] if after else []
     return [*before, *after], Gap(
@@ -281,6 +279,16 @@ def _direction(points: np.ndarray) -> np.ndarray:
 
 def _unit(vector: np.ndarray) -> np.ndarray:
     return np.asarray(vector / max(float(np.linalg.norm(vector)), 1e-12), dtype=np.float64)
+
+
+def _parts(pieces: Sequence[Piece], low: float, high: float) -> list[Piece]:
+    """What pieces have from one place to another; a piece that is within stays the same."""
+    parts = []
+    for piece in pieces:
+        within = (piece.at >= low) & (piece.at <= high)
+        if within.any():
+            parts.append(piece if within.all() else Piece(piece.name, piece.points[within], piece.at[within]))
+    return parts
 
 
 def _point_of(piece: Piece, index: int) -> Piece:

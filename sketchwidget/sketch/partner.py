@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from .fairing import HELD, fair
+from .fairing import fair
 from .piece import Piece, joined
 
 _SUFFIXES = {"_upper": "_lower", "_lower": "_upper"}
@@ -20,16 +20,18 @@ def partner_of(name: str) -> str | None:
     return None
 
 
-def follow(partner: Sequence[Piece], former: Sequence[Piece], redrawn: Sequence[Piece]) -> list[Piece]:
+def follow(partner: Sequence[Piece], former: Sequence[Piece], redrawn: Sequence[Piece], step: int) -> list[Piece]:
     """A contour after the other one was redrawn.
 
     It is taken along by the similarity of the plane that carries the former corners to the new ones. Where it would
-    then cross the redrawn contour, it is laid onto it: lids and lips close, and do not pass through each other.
+    then cross the redrawn contour, it is laid onto it, as smoothly as a head can have it: lids and lips close.
 
     Parameters
     ----------
     partner, former, redrawn : sequences of Piece
         All pieces of the contour that follows, and of the other one before and after, in the order of their line.
+    step : int
+        As of `fair`.
 
     Returns
     -------
@@ -46,7 +48,8 @@ def follow(partner: Sequence[Piece], former: Sequence[Piece], redrawn: Sequence[
     lacking = np.maximum(below * (np.interp(place, np.maximum.accumulate(along), across) - height), 0.0)
     lacking[[0, -1]] = 0.0
     if lacking.any():
-        height += below * fair(line.at, lacking[:, None], np.where(lacking, 1.0, HELD))[:, 0]
+        free = [(place, place) for place in line.at[lacking == 0]]
+        height += below * fair(line.at, lacking[:, None], free, step)(line.at)[:, 0]
     there = c + (place + 1j * height) * _unit(d - c)
     points = np.stack([np.real(there), np.imag(there)], axis=1)
     ends = np.cumsum([len(piece.points) for piece in partner])[:-1]

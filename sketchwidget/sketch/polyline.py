@@ -23,6 +23,14 @@ def arc_length(points: np.ndarray) -> np.ndarray:
     return np.concatenate([[0.0], np.cumsum(np.hypot(steps[:, 0], steps[:, 1]))])
 
 
+def distance(points: np.ndarray, line: np.ndarray) -> np.ndarray:
+    """Distance (k,) of points (k, 2) from a polyline (n, 2)."""
+    start, way = line[:-1].astype(np.float64), np.diff(line.astype(np.float64), axis=0)
+    off = points[:, None] - start
+    share = (off * way).sum(axis=2) / np.maximum((way**2).sum(axis=1), 1e-30)
+    return np.linalg.norm(off - share.clip(0.0, 1.0)[..., None] * way, axis=2).min(axis=1)
+
+
 def resample(points: np.ndarray, n: int) -> np.ndarray:
     """A polyline by `n` points at equal distances along it; its ends stay where they are.
 

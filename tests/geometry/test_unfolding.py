@@ -86,6 +86,13 @@ def test_handles_that_are_not_held_give_way(unfolding):
     assert np.abs(free - displaced)[MIDDLE].max() > 0.5
 
 
+def test_with_nothing_held_all_of_a_sheet_opens(unfolding):
+    displaced = np.stack([1.5 * (X % 2), 0 * X], axis=1)
+    assert turned_over(displaced) > 300
+    opened = unfolding(SHEET, displaced, np.zeros(len(HELD), dtype=bool))
+    assert turned_over(opened) == 0 and np.abs(opened - displaced).max() < 10
+
+
 @pytest.mark.parametrize("angle", [0.0, 1.0, 3.0])
 def test_what_does_not_fold_is_left_alone(unfolding, angle):
     turn = 0.6 * np.array([[np.cos(angle), np.sin(angle)], [-np.sin(angle), np.cos(angle)]])
