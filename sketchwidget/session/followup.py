@@ -268,9 +268,6 @@ def _erased(state: State, followup: Followup, points: np.ndarray, radius: float)
 def _obeyed(state: State, followup: Followup, strokes: list[np.ndarray], modeller: Modeller) -> State:
     """The state with a gap closed by a line that the head has, as near to the stroke as it can."""
     assert followup.before is not None
-    former = _off_lines(followup.before.sketch, modeller.head(followup.before))
-    # An outline that is drawn smoother than it is, for instance.
-    tolerance = np.where(former > _OBEYED, _NO_FURTHER * former, _OBEYED)
     for step in _STEPS:
         try:
             filled = _filled(state, followup, strokes, step)
@@ -278,7 +275,12 @@ def _obeyed(state: State, followup: Followup, strokes: list[np.ndarray], modelle
             if step == _STEPS[0]:
                 raise
             continue
-        if (_off_lines(filled.sketch, modeller.tried(filled)) <= tolerance).all():
+        off = _off_lines(filled.sketch, modeller.tried(filled))
+        if off.max() <= _OBEYED:
+            return filled
+        # What was off before may be so still: an outline that is drawn smoother than it is, for instance.
+        former = _off_lines(followup.before.sketch, modeller.head(followup.before))
+        if (off <= np.where(former > _OBEYED, _NO_FURTHER * former, _OBEYED)).all():
             return filled
     raise GapError("no head can have this line beside the others: draw it with fewer turns, or nearer to where it was")
 

@@ -8,7 +8,8 @@ from skimage.measure import points_in_poly
 
 def cross(one: np.ndarray, other: np.ndarray) -> bool:
     """Whether two polylines (n, 2) and (m, 2) cross."""
-    return bool(_crossings(one, other)[0].any())
+    apart = (one.min(axis=0) > other.max(axis=0)) | (other.min(axis=0) > one.max(axis=0))
+    return not apart.any() and bool(_crossings(one, other)[0].any())
 
 
 def swept(former: np.ndarray, new: np.ndarray, other: np.ndarray) -> bool:
