@@ -12,6 +12,7 @@ from sketchwidget.face.texture import Texture
 from sketchwidget.geometry.view import View
 from sketchwidget.sketch import as_stroke
 from sketchwidget.sketch.erase import as_radius
+from sketchwidget.sketch.fairing import FINEST
 from sketchwidget.sketch.stroke import MAX_GIVEN_POINTS
 
 from .packed import pack, pack_texture, rounded, unpack, unpack_texture
@@ -55,22 +56,27 @@ class Draw(Event):
     mirror : bool
         Whether its mirror image is drawn with it: about the axis x = 0.5, in follow-up sketching about the middle of
         the head.
+    spacing : int, optional
+        How smooth a line of a head it becomes, once that was found: handle points from knot to knot, at least 2.
 
     Raises
     ------
     ValueError
-        If the points are no stroke, or the view or `mirror` are anything else.
+        If the points are no stroke, or the view, `mirror` or `spacing` are anything else.
     """
 
     points: np.ndarray
     view: str = "front"
     mirror: bool = False
+    spacing: int | None = None
 
     def __post_init__(self) -> None:
         if self.view not in VIEWS:
             raise ValueError(f"a stroke is drawn in the view {' or '.join(VIEWS)}; given {self.view!r}")
         if not isinstance(self.mirror, bool):
             raise ValueError(f"mirror is true or false; given {self.mirror!r}")
+        if self.spacing is not None and (type(self.spacing) is not int or not 2 <= self.spacing <= 100):
+            raise ValueError(f"spacing is a whole number from 2 to 100, or none; given {self.spacing!r}")
         object.__setattr__(self, "points", _rounded(self.points))
 
 
@@ -289,7 +295,8 @@ class Exaggerate(Event):
 _EVENTS = (Draw, Erase, Clear, Undo, Redo, Mode, StartFromTemplate, Cancel, Gesture, Brush, TakeOver, Exaggerate)
 _KINDS = {event.__name__.lower(): event for event in _EVENTS}
 
-_LATER = {"gesture": {"name"}, "takeover": {"texture"}}  # fields that files of former versions lack
+# Fields that files of former versions lack, and what they mean by that: lines were as fine as they are drawn.
+_LATER = {"draw": {"spacing": FINEST}, "gesture": {"name": None}, "takeover": {"texture": None}}
 
 
 def event_from_json(given: Any) -> Event:
@@ -307,9 +314,10 @@ def event_from_json(given: Any) -> Event:
     if not isinstance(kind, str) or kind not in _KINDS:
         raise ValueError(f'the "event" is one of {", ".join(_KINDS)}; given {kind!r}')
     expected = {field.name for field in fields(_KINDS[kind])}
-    if values.keys() != expected - (_LATER.get(kind, set()) - values.keys()):
+    complete = _LATER.get(kind, {}) | values
+    if complete.keys() != expected:
         raise ValueError(f"the event {kind!r} has the fields {sorted(expected)}; given {sorted(values)}")
-    return _KINDS[kind](**values)
+    return _KINDS[kind](**complete)
 
 
 def _plain(value: Any) -> Any:

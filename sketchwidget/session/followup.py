@@ -14,11 +14,10 @@ from sketchwidget.geometry.view import View
 from sketchwidget.sketch import SILHOUETTE, UNNAMED, WRINKLE, Piece, Segment, Sketch
 from sketchwidget.sketch.crossing import swept
 from sketchwidget.sketch.erase import first_touched
-from sketchwidget.sketch.fairing import faired
+from sketchwidget.sketch.fairing import FINEST, faired
 from sketchwidget.sketch.gap import Gap, GapError, closed, feature_gap, fill, outline_gap
 from sketchwidget.sketch.partner import follow, partner_of
 from sketchwidget.sketch.piece import handle_points, joined, slid
-from sketchwidget.sketch.polyline import distance
 
 from . import profile
 from .events import Cancel, Clear, Draw, Erase, Event
@@ -29,15 +28,6 @@ if TYPE_CHECKING:
 
     from .modeller import Modelled, Modeller
 
-_OBEYED = 0.0024  # canvas units, 0.6 mm of a head as it stands: how near to its lines it must be
-_NO_FURTHER = 1.2  # times what it was, for a line that the head was off before
-_STEPS = (
-    2,
-    3,
-    4,
-    6,
-    8,
-)  # handle points from knot to knot of a line that was drawn; the next where no head has the last
 _LEEWAY = 0.4  # mm by which handle points of the silhouette may be off its line
 _EARS, _BROWS, _NOSE = ("left_ear", "right_ear"), ("right_brow", "left_brow"), "nose"
 _BRIDGE, _BRIDGE_POINTS = "of the bridge of the nose", 12
@@ -184,10 +174,12 @@ def edited(state: State, event: Event, modeller: Modeller) -> State:
     if followup is None:
         raise ValueError("there are no lines to edit: enter the mode by session.mode or session.start_from_template()")
     match event:
-        case Draw(points=points, view="front", mirror=mirror):
+        case Draw(points=points, view="front", mirror=mirror, spacing=spacing):
             middle = float(modeller.head(state).frame.centre[0])
             strokes = [points, _mirrored(points, middle)] if mirror else [points]
-            return _obeyed(state, followup, strokes, modeller) if followup.gap else _with_wrinkles(state, strokes)
+            if followup.gap is None:
+                return _with_wrinkles(state, strokes)
+            return _filled(state, followup, strokes, spacing or FINEST)
         case Draw(points=points, view=view):
             if followup.gap is not None:
                 raise GapError(f"the erased part of the line {followup.gap.name} must be drawn first, or cancelled")
@@ -265,50 +257,19 @@ def _erased(state: State, followup: Followup, points: np.ndarray, radius: float)
     return replace(state, sketch=_with_line(sketch, segment.name, pieces), followup=opened_followup)
 
 
-def _obeyed(state: State, followup: Followup, strokes: list[np.ndarray], modeller: Modeller) -> State:
-    """The state with a gap closed by a line that the head has, as near to the stroke as it can."""
-    assert followup.before is not None
-    for step in _STEPS:
-        try:
-            filled = _filled(state, followup, strokes, step)
-        except GapError:
-            if step == _STEPS[0]:
-                raise
-            continue
-        off = _off_lines(filled.sketch, modeller.tried(filled))
-        if off.max() <= _OBEYED:
-            return filled
-        # What was off before may be so still: an outline that is drawn smoother than it is, for instance.
-        former = _off_lines(followup.before.sketch, modeller.head(followup.before))
-        if (off <= np.where(former > _OBEYED, _NO_FURTHER * former, _OBEYED)).all():
-            return filled
-    raise GapError("no head can have this line beside the others: draw it with fewer turns, or nearer to where it was")
-
-
-def _off_lines(sketch: Sketch, shown: Modelled) -> np.ndarray:
-    """How far a head is off each line (l,) of a sketch at most, in canvas units; 0 for what is near enough."""
-    off = np.zeros(len(LINES))
-    for number, name in enumerate(LINES):
-        pieces, placed = pieces_of(sketch, name), shown.frame.project(shown.layers.drawn.curve(name))
-        far = placed[np.linalg.norm(placed - handle_points(pieces, len(placed)), axis=1) > _OBEYED]
-        if len(far):
-            off[number] = np.min([distance(far, piece.points) for piece in pieces], axis=0).max()
-    return off
-
-
-def _filled(state: State, followup: Followup, strokes: list[np.ndarray], step: int) -> State:
+def _filled(state: State, followup: Followup, strokes: list[np.ndarray], spacing: int) -> State:
     gap, before = followup.gap, followup.before
     assert gap is not None and before is not None
-    sketch = _redrawn(before.sketch, state.sketch, gap, strokes[0], step)
+    sketch = _redrawn(before.sketch, state.sketch, gap, strokes[0], spacing)
     side, _, rest = gap.name.partition("_")
     if len(strokes) > 1 and side in _SIDES:
         other = f"{_SIDES[side]}_{rest}"
         kept, mirrored = feature_gap(pieces_of(sketch, other), gap.low, gap.high)
-        sketch = _redrawn(sketch, _with_line(sketch, other, kept), mirrored, strokes[1], step)
+        sketch = _redrawn(sketch, _with_line(sketch, other, kept), mirrored, strokes[1], spacing)
     return replace(state, sketch=sketch, followup=replace(followup, gap=None, before=None))
 
 
-def _redrawn(before: Sketch, opened: Sketch, gap: Gap, stroke: np.ndarray, step: int) -> Sketch:
+def _redrawn(before: Sketch, opened: Sketch, gap: Gap, stroke: np.ndarray, spacing: int) -> Sketch:
     """The sketch with a gap closed by a stroke, and the partner of the line taken along."""
     kept = pieces_of(opened, gap.name)
     new = fill(gap, stroke)
@@ -316,7 +277,7 @@ def _redrawn(before: Sketch, opened: Sketch, gap: Gap, stroke: np.ndarray, step:
         outline = closed(kept[0], new)
         _refuse_crossing(before, gap.erased, new)
         return _with_line(opened, SILHOUETTE, [outline])
-    line = sorted([*kept, faired(new, kept, step)], key=lambda piece: piece.low)
+    line = sorted([*kept, faired(new, kept, spacing)], key=lambda piece: piece.low)
     sketch = _with_line(opened, gap.name, line)
     partner = partner_of(gap.name)
     former = pieces_of(before, gap.name)
@@ -324,7 +285,7 @@ def _redrawn(before: Sketch, opened: Sketch, gap: Gap, stroke: np.ndarray, step:
     if partner is None:
         return sketch
     beside = pieces_of(opened, partner)
-    following = follow(beside, former, line, step)
+    following = follow(beside, former, line, spacing)
     _refuse_crossing(before, joined(beside), joined(following))
     return _with_line(sketch, partner, following)
 

@@ -53,8 +53,14 @@ class History:
         """No undo leads further back than to the present state."""
         self._begins = len(self._done)
 
-    def record(self, event: Event) -> bool:
+    def record(self, event: Event, outcome: State | None = None) -> bool:
         """Do what an event says.
+
+        Parameters
+        ----------
+        event : Event
+        outcome : State, optional
+            What it gives, where that is known already.
 
         Returns
         -------
@@ -71,7 +77,7 @@ class History:
                 return self._undo()
             case Redo():
                 return self._redo()
-        state = apply(self.state, event, self._modeller)
+        state = outcome or apply(self.state, event, self._modeller)
         if state is self.state:
             return False
         if isinstance(event, Exaggerate):

@@ -43,6 +43,7 @@ from .history import History
 from .layers import Layers
 from .modeller import Modelled, Modeller
 from .naming import may_change, named
+from .obeying import obeyed
 from .refinement import Refinement
 from .state import State
 
@@ -511,7 +512,11 @@ class Session(HasTraits):
     def _record(self, event: Event) -> bool:
         if isinstance(event, Gesture):
             event = self._named(event)  # those of old files have no name yet
-        changed = self._history.record(event)
+        outcome, followup = None, self._history.state.followup
+        waits = self._history.state.mode == "followup" and followup is not None and followup.gap is not None
+        if waits and isinstance(event, Draw) and event.view == "front" and event.spacing is None:
+            event, outcome = obeyed(self._history.state, event, self._modeller)
+        changed = self._history.record(event, outcome)
         if changed:
             if _replaces(event, self._events):
                 self._events.pop()

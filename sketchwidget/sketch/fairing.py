@@ -9,15 +9,16 @@ from scipy.interpolate import BSpline, make_lsq_spline
 
 from .piece import Piece, joined
 
+FINEST = 2  # handle points from knot to knot that a head can have
 _DEGREE = 3
 _HELD = 1e3  # times the weight of others that a value has which should stay
 _SAMPLES = 4  # from handle point to handle point
 
 
-def fair(at: np.ndarray, values: np.ndarray, held: Sequence[tuple[float, float]], step: int) -> BSpline:
+def fair(at: np.ndarray, values: np.ndarray, held: Sequence[tuple[float, float]], spacing: int) -> BSpline:
     """The nearest curve to values along a line that the handle points of a head can be on.
 
-    Handle points come from the vertices of a coarse mesh, half as many, by a step of subdivision, whose limit is a
+    Handle points come from the vertices of a coarse mesh, half as many, by a spacing of subdivision, whose limit is a
     cubic spline: of the splines with a knot at every second handle point this is the nearest one by least squares.
 
     Parameters
@@ -27,7 +28,7 @@ def fair(at: np.ndarray, values: np.ndarray, held: Sequence[tuple[float, float]]
     values : (n, d) array
     held : sequence of (float, float)
         From where to where on the line the values should stay.
-    step : int
+    spacing : int
         Handle points from knot to knot; more than two for what a head cannot have even so.
 
     Returns
@@ -36,7 +37,7 @@ def fair(at: np.ndarray, values: np.ndarray, held: Sequence[tuple[float, float]]
         Takes places (k,) to values (k, d).
     """
     low, high = at[0], at[-1]
-    inner = np.arange(low + 2 * step, high - 2 * step + 0.5, step)
+    inner = np.arange(low + 2 * spacing, high - 2 * spacing + 0.5, spacing)
     knots = np.concatenate([np.full(_DEGREE + 1, low), inner, np.full(_DEGREE + 1, high)])
     places = _even(low, high)
     even = np.stack([np.interp(places, at, column) for column in values.T], axis=1)
@@ -46,7 +47,7 @@ def fair(at: np.ndarray, values: np.ndarray, held: Sequence[tuple[float, float]]
     return make_lsq_spline(places, even, knots, _DEGREE, np.sqrt(weights))
 
 
-def faired(drawn: Piece, kept: Sequence[Piece], step: int) -> Piece:
+def faired(drawn: Piece, kept: Sequence[Piece], spacing: int) -> Piece:
     """A piece that was drawn, without the kinks that no head can have; it joins the rest of its line smoothly.
 
     Parameters
@@ -54,12 +55,12 @@ def faired(drawn: Piece, kept: Sequence[Piece], step: int) -> Piece:
     drawn : Piece
     kept : sequence of Piece
         The others of its line: they stay.
-    step : int
+    spacing : int
         As of `fair`.
     """
     line = joined(sorted([drawn, *kept], key=lambda piece: piece.low))
     places = _even(drawn.low, drawn.high)
-    curve = fair(line.at, line.points, [(piece.low, piece.high) for piece in kept], step)
+    curve = fair(line.at, line.points, [(piece.low, piece.high) for piece in kept], spacing)
     return Piece(drawn.name, curve(places), places)
 
 

@@ -20,7 +20,7 @@ def partner_of(name: str) -> str | None:
     return None
 
 
-def follow(partner: Sequence[Piece], former: Sequence[Piece], redrawn: Sequence[Piece], step: int) -> list[Piece]:
+def follow(partner: Sequence[Piece], former: Sequence[Piece], redrawn: Sequence[Piece], spacing: int) -> list[Piece]:
     """A contour after the other one was redrawn.
 
     It is taken along by the similarity of the plane that carries the former corners to the new ones. Where it would
@@ -30,7 +30,7 @@ def follow(partner: Sequence[Piece], former: Sequence[Piece], redrawn: Sequence[
     ----------
     partner, former, redrawn : sequences of Piece
         All pieces of the contour that follows, and of the other one before and after, in the order of their line.
-    step : int
+    spacing : int
         As of `fair`.
 
     Returns
@@ -49,7 +49,7 @@ def follow(partner: Sequence[Piece], former: Sequence[Piece], redrawn: Sequence[
     lacking[[0, -1]] = 0.0
     if lacking.any():
         free = [(place, place) for place in line.at[lacking == 0]]
-        height += below * fair(line.at, lacking[:, None], free, step)(line.at)[:, 0]
+        height += below * fair(line.at, lacking[:, None], free, spacing)(line.at)[:, 0]
     there = c + (place + 1j * height) * _unit(d - c)
     points = np.stack([np.real(there), np.imag(there)], axis=1)
     ends = np.cumsum([len(piece.points) for piece in partner])[:-1]

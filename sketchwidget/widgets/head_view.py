@@ -54,9 +54,7 @@ class HeadView:
                 "index": three.BufferAttribute(np.asarray(face.faces, dtype=np.uint32).ravel(), normalized=False),
             }
         )
-        clay = three.MeshLambertMaterial(
-            color="#ffffff", vertexColors="VertexColors", side="DoubleSide"
-        )
+        clay = three.MeshLambertMaterial(color="#ffffff", vertexColors="VertexColors", side="DoubleSide")
         mesh = three.Mesh(geometry, clay, frustumCulled=False)
         position = CAMERA_DISTANCE * View.preset(preset).rotation[2]
         camera = three.OrthographicCamera(

@@ -7,7 +7,7 @@ from sketchwidget.session import Cancel, Clear, Draw, Erase, Mode, Redo, StartFr
 from sketchwidget.session.events import event_from_json
 
 STROKE = [[0.123456789, 0.2], [1 / 3, 2 / 3]]
-EVENTS = [Draw(STROKE), Draw(STROKE, mirror=True), Erase([[0.5, 0.5]], 0.02), Clear(), Undo(), Redo()]
+EVENTS = [Draw(STROKE), Draw(STROKE, mirror=True), Draw(STROKE, spacing=3), Erase([[0.5, 0.5]], 0.02), Clear(), Undo(), Redo()]
 EVENTS += [Mode("initial"), Mode("followup"), StartFromTemplate(), Cancel()]
 
 
@@ -22,7 +22,14 @@ def test_a_stroke_as_json():
         "points": [[0.12346, 0.2], [0.33333, 0.66667]],
         "view": "front",
         "mirror": False,
+        "spacing": None,
     }
+
+
+def test_strokes_of_former_files_are_as_fine_as_heads_can_be():
+    former = Draw(STROKE).to_json()
+    del former["spacing"]
+    assert event_from_json(former) == Draw(STROKE, spacing=2)
 
 
 def test_an_eraser_as_json():
@@ -88,6 +95,7 @@ def test_a_bad_event_cannot_be_made(make, complaint):
         ({"event": "erase", "points": [[0, 0]], "radius": "big"}, "radius"),
         ({"event": "erase", "points": {"x": 0}, "radius": 0.1}, "a stroke"),
         ({"event": "draw", "points": "line", "view": "front", "mirror": False}, "a stroke"),
+        (Draw(STROKE).to_json() | {"spacing": 1.5}, "a whole number from 2 to 100"),
         ({"event": "draw", "points": [[0, 0]], "view": "front", "mirror": 1}, "mirror"),
     ],
 )

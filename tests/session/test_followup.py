@@ -570,6 +570,17 @@ def test_a_line_with_kinks_finer_than_the_mesh_is_drawn_as_the_head_can_have_it(
     assert KDTree(np.concatenate(session.sketch.lines[name])).query(before)[0].max() < 0.02  # it is still that line
 
 
+def test_how_smooth_a_line_became_stays_with_its_stroke(session, monkeypatch):
+    redraw_line(session, "left_brow", kinked(3, "zigzag"))
+    stroke = session.events[-1]
+    assert stroke.spacing >= 2
+    monkeypatch.setattr("sketchwidget.session.obeying._NEAR", -1.0)  # no head is near enough any more
+    again = Session(session.regressor)
+    for event in session.events:
+        again.do(event)
+    assert again.sketch == session.sketch and again.undo() and again.redo() and again.sketch == session.sketch
+
+
 # -- side views -------------------------------------------------------------------------------------------------------
 
 
