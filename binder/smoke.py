@@ -5,6 +5,7 @@ from __future__ import annotations
 import resource
 import sys
 import time
+from pathlib import Path
 
 MEMORY = 900  # MB that a kernel with a Studio may take; Binder gives 1 to 2 GB
 
@@ -13,6 +14,8 @@ import sketchwidget as sw  # noqa: E402
 
 imported = time.perf_counter() - began
 assert "torch" not in sys.modules, "the import is no longer light"
+
+assert (Path(sw.__file__).parents[1] / "benchmarks").is_dir(), "the package is not in place: notebooks read beside it"
 
 import numpy as np  # noqa: E402
 import torch  # noqa: E402
