@@ -7,7 +7,15 @@ from sketchwidget.session import Cancel, Clear, Draw, Erase, Mode, Redo, StartFr
 from sketchwidget.session.events import event_from_json
 
 STROKE = [[0.123456789, 0.2], [1 / 3, 2 / 3]]
-EVENTS = [Draw(STROKE), Draw(STROKE, mirror=True), Draw(STROKE, spacing=3), Erase([[0.5, 0.5]], 0.02), Clear(), Undo(), Redo()]
+EVENTS = [
+    Draw(STROKE),
+    Draw(STROKE, mirror=True),
+    Draw(STROKE, spacing=3),
+    Erase([[0.5, 0.5]], 0.02),
+    Clear(),
+    Undo(),
+    Redo(),
+]
 EVENTS += [Mode("initial"), Mode("followup"), StartFromTemplate(), Cancel()]
 
 
