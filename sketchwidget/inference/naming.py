@@ -17,6 +17,7 @@ _SAMPLES = 24
 _NEAR = 0.07  # mean distance to a line, of the outline's size
 _LENGTHS = (0.25, 3.0)  # a stroke's length over the line's
 
+_BROAD = 1.35  # times the width of an eye: brows are broader
 # Where ears may be drawn, in the outline's box: height of their middle, and how tall and how broad they are.
 _EAR_MIDDLE, _EAR_HEIGHT, _EAR_BREADTH = (0.28, 0.8), (0.06, 0.45), 0.35
 _EAR_REACH = 0.15
@@ -124,7 +125,11 @@ class _Extent:
 
 
 def _eyes_and_brows(strokes: Mapping[int, _Extent], lines: Mapping[str, np.ndarray], side: str) -> dict[int, str]:
-    """Names of the strokes about one eye: a closed one, or two whose ends meet, is the eye; the brow is above it."""
+    """Names of the strokes about one eye: a closed one, or two whose ends meet, is the eye; the brow is above it.
+
+    Brows too may be two strokes whose ends meet: of several such pairs the lowest is the eye, and one that is broad is
+    none if anything is below it.
+    """
     upper, brow = lines[f"{side}_eye_upper"], lines[f"{side}_brow"]
     middle, width = upper.mean(axis=0), float(np.ptp(upper[:, 0]))
     top = brow[:, 1].mean() - 1.2 * width
@@ -135,17 +140,19 @@ def _eyes_and_brows(strokes: Mapping[int, _Extent], lines: Mapping[str, np.ndarr
         and top < stroke.y < middle[1] + 0.9 * width
         and stroke.width < 2.2 * width
     }
-    round_ones = {index for index, stroke in about.items() if stroke.closed}
-    for one, other in combinations(about, 2):
-        if about[one].meets(about[other]):
-            round_ones |= {one, other}
-    if not round_ones and len(about) < 2:
+    groups: list[tuple[int, ...]] = [(index,) for index, stroke in about.items() if stroke.closed]
+    groups += [pair for pair in combinations(about, 2) if about[pair[0]].meets(about[pair[1]])]
+    if not groups and len(about) < 2:
         return {}
-    eyes = [about[index].y for index in round_ones] or [max(stroke.y for stroke in about.values())]
-    level = sum(eyes) / len(eyes)
+    lowest = max((stroke.y for stroke in about.values()), default=0.0)
+    levels = {group: sum(about[index].y for index in group) / len(group) for group in groups}
+    eye = max(levels, key=lambda group: levels[group], default=())
+    if eye and max(about[index].width for index in eye) > _BROAD * width and lowest > levels[eye] + 0.3 * width:
+        eye = ()
+    level = levels.get(eye, lowest)
     names = {}
     for index, stroke in about.items():
-        if index not in round_ones and stroke.y < level - 0.3 * width:
+        if index not in eye and stroke.y < level - 0.3 * width:
             names[index] = f"{side}_brow"
         else:
             names[index] = f"{side}_eye_{'lower' if stroke.y > level + 0.02 * width else 'upper'}"

@@ -30,6 +30,7 @@ from .soft_limit import soft_limit
 NETWORKS = ("PixelShapeCNN", "PixelCNN")  # one file: the second is the first without its shape-level input
 _SHIPPED = "pixelshapecnn.safetensors"
 _MOVED_BY_EARS = 1.5  # mm
+_BY_PIXELS = 0.3  # share of what pixels alone give in the answer by both: where lines are misnamed, they do not know
 # Standard deviations that weights may go to freely, and at most: beyond, heads dent and eyes leave their lids.
 _IDENTITY_LIMIT, _EXPRESSION_LIMIT = (2.0, 3.0), (2.5, 3.5)
 
@@ -138,12 +139,12 @@ class FaceRegressor:
         seen = normalise(strokes)
         drawn = time.perf_counter()
         features = self._features(seen)
-        identity, expression = self._weights(features)
+        identity, expression = (None, None) if features is None else self._weights(features)
         inferred = time.perf_counter()
         curves = self._curves(identity, expression)
         view, names = self._name(sketch, seen, curves)
         named = time.perf_counter()
-        if features is not None and seen.outline is not None and (self.shape_model or self._refiner):
+        if features is not None and identity is not None and expression is not None and seen.outline is not None:
             frame = _head_frame(curves)
             strokes = [frame(_on_head(view, segment.points)) for segment in sketch.segments]
             lines = sample({name: frame(View().project(line)) for name, line in _drawn(curves).items()})
@@ -172,22 +173,26 @@ class FaceRegressor:
 
     def _by_lines(
         self,
-        identity: np.ndarray | None,
-        expression: np.ndarray | None,
+        identity: np.ndarray,
+        expression: np.ndarray,
         features: list[torch.Tensor],
         lines: np.ndarray,
         strokes: list[np.ndarray],
         names: tuple[str, ...],
-    ) -> tuple[np.ndarray | None, np.ndarray | None]:
-        """Weights again, now that strokes have names; ears keep what they changed.
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Weights again, now that strokes have names, from those of the pixels alone; ears keep what they changed.
 
         The lines of the head (n, 2) and the strokes are in the frame of the head's outline: a drawn one may be open.
         """
         kept = [index for index, name in enumerate(names) if not name.endswith("ear")]
         drawn = DrawnLines([strokes[index] for index in kept], [names[index] for index in kept])
         if self.shape_model is not None:
-            identity, expression = self._weights(features, shape_code(self.shape_model, lines, drawn))
-        if self._refiner is not None and identity is not None and expression is not None:
+            joined = self._weights(features, shape_code(self.shape_model, lines, drawn))
+            identity, expression = (
+                _BY_PIXELS * alone + (1 - _BY_PIXELS) * both
+                for alone, both in zip((identity, expression), joined, strict=True)
+            )
+        if self._refiner is not None:
             identity, expression = self._limited(*self._refiner(identity, expression, drawn.match))
         return identity, expression
 
@@ -201,12 +206,8 @@ class FaceRegressor:
         with torch.inference_mode():
             return self._network.features(torch.from_numpy(images)[:, None].to(torch.bfloat16))
 
-    def _weights(
-        self, features: list[torch.Tensor] | None, code: np.ndarray | None = None
-    ) -> tuple[np.ndarray | None, np.ndarray | None]:
+    def _weights(self, features: list[torch.Tensor], code: np.ndarray | None = None) -> tuple[np.ndarray, np.ndarray]:
         """Weights of a drawing whose ears may change the identity, but its landmarks only by 1.5 mm."""
-        if features is None:
-            return None, None
         identities, expressions = self._answers(
             features, code if code is None else np.tile(code, (len(features[0]), 1))
         )

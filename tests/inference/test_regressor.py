@@ -132,6 +132,28 @@ def test_a_mouth_far_from_where_the_network_sees_one_is_a_mouth_and_not_a_wrinkl
     assert regressor.infer(Sketch.from_strokes([*strokes, arc(*chin)])).names[-1] == "wrinkle"
 
 
+@pytest.mark.parametrize("eye", ["round", "lids", "closed"])
+def test_a_brow_of_two_lines_is_a_brow_and_no_eye(regressor, drawing, eye):
+    turn = np.linspace(0, 2 * np.pi, 40)
+    across, arch = np.linspace(-1, 1, 20), 1 - np.linspace(-1, 1, 20) ** 2
+
+    def face(middle):
+        eyes = {
+            "round": [np.stack([middle + 0.055 * np.cos(turn), 0.46 + 0.025 * np.sin(turn)], axis=1)],
+            "lids": [np.stack([middle + 0.055 * across, 0.46 + lid * arch], axis=1) for lid in (-0.025, 0.02)],
+            "closed": [np.stack([middle + 0.055 * across, 0.46 + 0.015 * arch], axis=1)],
+        }
+        brow = [np.stack([middle + 0.09 * across, 0.405 - rise * arch], axis=1) for rise in (0.02, 0.035)]
+        return eyes[eye], brow
+
+    right, left = face(0.385), face(0.615)
+    strokes = [drawing[0], *right[0], *left[0], *drawing[3:], *right[1], *left[1]]
+    names = [short(name) for name in regressor.infer(Sketch.from_strokes(strokes)).names]
+    assert names[-4:] == ["rb", "rb", "lb", "lb"]
+    count = len(right[0])
+    assert names[1 : 1 + 2 * count] == ["re"] * count + ["le"] * count
+
+
 @pytest.mark.parametrize(
     ("drawing", "expected"),
     [
