@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 from collections.abc import Sequence
 
 import numpy as np
@@ -55,6 +56,26 @@ class DrawnLines:
                 ink.setdefault(GROUPS[name], []).append(points)
         self._ink = {group: np.concatenate(lines) for group, lines in ink.items()}
         self._trees = {group: KDTree(points) for group, points in self._ink.items()}
+
+    @classmethod
+    def of_points(cls, points: np.ndarray, seen: np.ndarray) -> DrawnLines:
+        """Those seen (n,) of a drawing's points (n, 2), in the order of `sample`; what is not seen parts strokes."""
+        strokes, names = [], []
+        for name, line in split_lines(points).items():
+            drawn = split_lines(seen)[name]
+            runs = np.split(line, np.flatnonzero(np.diff(drawn.astype(int))) + 1)
+            runs = runs[0 if drawn[0] else 1 :: 2]
+            if name == SILHOUETTE and drawn.all():
+                runs = [np.concatenate([line, line[:1]])]
+            strokes += runs
+            names += [name] * len(runs)
+        return cls(strokes, names)
+
+    def without_ears(self) -> DrawnLines:
+        """The others."""
+        others = copy.copy(self)
+        others._ink = {group: ink for group, ink in self._ink.items() if not group.endswith("ear")}
+        return others
 
     def match(self, points: np.ndarray, settled: bool = False) -> tuple[np.ndarray, np.ndarray]:
         """The drawn point for each point of a face's lines.

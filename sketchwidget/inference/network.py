@@ -124,15 +124,20 @@ class PixelShapeCNN(nn.Module):
     identity_size, expression_size : int
         The shape-level input has as many coefficients, and with `Layout.left_over` 2 n numbers more.
     layout : Layout
+
+    Attributes
+    ----------
+    described : int
+        Numbers of the shape-level input.
     """
 
     def __init__(self, identity_size: int, expression_size: int, layout: Layout = COMPACT) -> None:
         super().__init__()
         self.layout, self.sizes = layout, (identity_size, expression_size)
         coefficients = identity_size + expression_size
-        self._described = coefficients + 2 * POINTS * layout.left_over
+        self.described = coefficients + 2 * POINTS * layout.left_over
         if layout.convolutions == "none":
-            self.convolutions, width = None, self._described
+            self.convolutions, width = None, self.described
         else:
             build = _alexnet if layout.convolutions == "alexnet" else _residual
             self.convolutions, width = build(layout)
@@ -145,7 +150,7 @@ class PixelShapeCNN(nn.Module):
         self.shape_layers = self.shape_outputs = None
         if self.convolutions is not None and layout.shape:
             self.shape_layers = nn.ModuleList(
-                nn.Sequential(nn.Linear(self._described, layout.shape), nn.ReLU(inplace=True)) for _ in outputs
+                nn.Sequential(nn.Linear(self.described, layout.shape), nn.ReLU(inplace=True)) for _ in outputs
             )
             self.shape_outputs = nn.ModuleList(_output(layout, size) for size in outputs)
 
@@ -163,7 +168,7 @@ class PixelShapeCNN(nn.Module):
 
     def features(self, inputs: Tensor) -> list[Tensor]:
         """What each branch makes of images (b, 1, 256, 256) with ink as 1, or of lines if there are no convolutions."""
-        seen = inputs[:, : self._described] if self.convolutions is None else self.convolutions(inputs).flatten(1)
+        seen = inputs[:, : self.described] if self.convolutions is None else self.convolutions(inputs).flatten(1)
         shared = self.shared(seen)
         return [branch(shared) for branch in self.branches]
 
@@ -182,7 +187,7 @@ class PixelShapeCNN(nn.Module):
         if self.shape_layers is None or self.shape_outputs is None:
             raise ValueError("this network sees pixels only: its layout has no shape-level input")
         joined = [
-            torch.cat([feature, layer(lines[:, : self._described])], dim=1)
+            torch.cat([feature, layer(lines[:, : self.described])], dim=1)
             for feature, layer in zip(features, self.shape_layers, strict=True)
         ]
         return self._split([output(feature) for output, feature in zip(self.shape_outputs, joined, strict=True)])

@@ -67,6 +67,12 @@ class LineRefiner:
         """Points (n, 2) of a head's lines in the canonical front view."""
         return self._mean + self._core @ expression @ identity
 
+    def framed(self, identity: np.ndarray, expression: np.ndarray) -> np.ndarray:
+        """The same as they stand in a normalised drawing."""
+        lines = self.lines(identity, expression)
+        scale, offset = _outline_frame(lines)
+        return scale * (lines - 0.5) + 0.5 + offset
+
     def __call__(self, identity: np.ndarray, expression: np.ndarray, match: Match) -> tuple[np.ndarray, np.ndarray]:
         """Identity (p,) and expression (q,) weights whose lines are nearer to the drawn ones.
 

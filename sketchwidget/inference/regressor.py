@@ -30,7 +30,7 @@ from .soft_limit import soft_limit
 NETWORKS = ("PixelShapeCNN", "PixelCNN")  # one file: the second is the first without its shape-level input
 _SHIPPED = "pixelshapecnn.safetensors"
 _MOVED_BY_EARS = 1.5  # mm
-_BY_PIXELS = 0.3  # share of what pixels alone give in the answer by both: where lines are misnamed, they do not know
+BY_PIXELS = 0.3  # share of what pixels alone give in the answer by both: where lines are misnamed, they do not know
 # Standard deviations that weights may go to freely, and at most: beyond, heads dent and eyes leave their lids.
 _IDENTITY_LIMIT, _EXPRESSION_LIMIT = (2.0, 3.0), (2.5, 3.5)
 
@@ -184,12 +184,11 @@ class FaceRegressor:
 
         The lines of the head (n, 2) and the strokes are in the frame of the head's outline: a drawn one may be open.
         """
-        kept = [index for index, name in enumerate(names) if not name.endswith("ear")]
-        drawn = DrawnLines([strokes[index] for index in kept], [names[index] for index in kept])
+        drawn = DrawnLines(strokes, names).without_ears()
         if self.shape_model is not None:
             joined = self._weights(features, shape_code(self.shape_model, lines, drawn))
             identity, expression = (
-                _BY_PIXELS * alone + (1 - _BY_PIXELS) * both
+                BY_PIXELS * alone + (1 - BY_PIXELS) * both
                 for alone, both in zip((identity, expression), joined, strict=True)
             )
         if self._refiner is not None:
@@ -244,10 +243,18 @@ class FaceRegressor:
         -------
         identity : (b, p) float32 array
         expression : (b, q) float32 array
+
+        Raises
+        ------
+        ValueError
+            If codes are shorter than what the network sees of lines, or there are none and it sees nothing else.
         """
         seen = images if self._network.convolutions is not None else codes
         if seen is None:
             raise ValueError("this network sees lines only: give it their codes")
+        wanted = self._network.described
+        if codes is not None and (codes.ndim != 2 or codes.shape[1] < wanted):
+            raise ValueError(f"codes of lines are (b, {wanted}) or longer; given {codes.shape}")
         with torch.inference_mode():
             inputs = torch.from_numpy(seen)
             features = self._network.features((inputs[:, None] if inputs.ndim == 3 else inputs).to(torch.bfloat16))

@@ -13,9 +13,9 @@ from ..database.database import DatabaseFace
 from ..face import Face
 from ..face.model import FaceModel
 from ..geometry.view import View
-from ..inference.matching import DrawnLines
+from ..inference.matching import DrawnLines, shape_code
 from ..inference.refinement import LineRefiner, Match
-from ..inference.regressor import FaceRegressor
+from ..inference.regressor import BY_PIXELS, FaceRegressor
 from ..inference.shape_code import split_lines
 from ..sketch import SILHOUETTE, Sketch
 from ..sketch.hand import PARTS, Hand
@@ -79,28 +79,45 @@ def vertex_errors(faces: list[DatabaseFace], weights: Weights | None) -> np.ndar
     return total / len(faces)
 
 
-def inferred(regressor: FaceRegressor, tests: TestSet, with_shape: bool) -> Weights:
-    """Identity (m, p) and expression (m, q) weights of the drawings of a test set."""
-    found = []
+def inferred(regressor: FaceRegressor, tests: TestSet, codes: np.ndarray | None = None) -> Weights:
+    """Identity (m, p) and expression (m, q) weights of the drawings of a test set, from pixels and codes (m, c)."""
+    parts = []
     for start in tqdm(range(0, len(tests.drawn), _BATCH), unit="batch", leave=False):
-        drawn = tests.drawn[start : start + _BATCH]
-        codes = None
-        if with_shape and regressor.shape_model is not None:
-            points, seen = np.stack([one.points for one in drawn]), np.stack([one.seen for one in drawn])
-            codes = regressor.shape_model.describe(points, seen)
-        found.append(regressor.weights(np.stack([one.image for one in drawn]), codes))
-    identities, expressions = (np.concatenate(parts) for parts in zip(*found, strict=True))
+        batch = slice(start, start + _BATCH)
+        images = np.stack([one.image for one in tests.drawn[batch]])
+        parts.append(regressor.weights(images, None if codes is None else codes[batch]))
+    identities, expressions = (np.concatenate(part) for part in zip(*parts, strict=True))
+    return identities, expressions
+
+
+def known(regressor: FaceRegressor, tests: TestSet) -> np.ndarray:
+    """Codes (m, c) of the lines of a test set, of which each point is known."""
+    assert regressor.shape_model is not None
+    points, seen = np.stack([one.points for one in tests.drawn]), np.stack([one.seen for one in tests.drawn])
+    return regressor.shape_model.describe(points, seen)
+
+
+def found(regressor: FaceRegressor, refiner: LineRefiner, tests: TestSet) -> Weights:
+    """Weights (m, p) and (m, q) as the Studio has them of a test set's strokes, whose names are known."""
+    assert regressor.shape_model is not None
+    alone = inferred(regressor, tests)
+    codes = []
+    for identity, expression, drawing in zip(*alone, tests.drawn, strict=True):
+        drawn = DrawnLines.of_points(drawing.points, drawing.seen).without_ears()
+        codes.append(shape_code(regressor.shape_model, refiner.framed(identity, expression), drawn))
+    both = inferred(regressor, tests, np.stack(codes))
+    identities, expressions = (BY_PIXELS * one + (1 - BY_PIXELS) * two for one, two in zip(alone, both, strict=True))
     return identities, expressions
 
 
 def refined(refiner: LineRefiner, start: Weights, tests: TestSet) -> Weights:
     """Weights (m, p) and (m, q) moved by the lines of the drawings of a test set, whose names are known."""
-    found = []
-    for identity, expression, drawing in zip(*start, tests.drawn, strict=True):
-        lines, seen = split_lines(drawing.points), split_lines(drawing.seen)
-        drawn = {name: line[seen[name]] for name, line in lines.items() if seen[name].any() and "ear" not in name}
-        found.append(refiner(identity, expression, DrawnLines(list(drawn.values()), list(drawn)).match))
-    return _stacked(found)
+    return _stacked(
+        [
+            refiner(identity, expression, DrawnLines.of_points(drawing.points, drawing.seen).without_ears().match)
+            for identity, expression, drawing in zip(*start, tests.drawn, strict=True)
+        ]
+    )
 
 
 def morphable_model_fit(model: FaceModel) -> Method:
@@ -137,17 +154,24 @@ def _stacked(found: list[Weights]) -> Weights:
 
 
 def methods_of(name: str, regressor: FaceRegressor) -> dict[str, Method]:
-    """The answers of a network: of its pixels, with the shape of the lines, and refined by the lines."""
+    """The answers of a network: of its pixels, with the shape of the lines, and as the Studio has it.
+
+    There it is not known which point of a line is which, pixels alone keep a share, and lines refine the answer.
+    """
     title = Path(name).stem if Path(name).suffix else name
     refiner = LineRefiner(regressor.model, standardisation(regressor.model))
     methods: dict[str, Method] = {}
     if "pixels" in regressor.sees:
         methods[f"{title}, pixels alone" if "shape" in regressor.sees else title] = lambda tests: inferred(
-            regressor, tests, False
+            regressor, tests
         )
     if "shape" in regressor.sees:
-        methods[title] = lambda tests: inferred(regressor, tests, True)
+        methods[title] = lambda tests: inferred(regressor, tests, known(regressor, tests))
         methods[f"{title}, refined by lines"] = lambda tests: refined(refiner, methods[title](tests), tests)
+    if regressor.sees == ("pixels", "shape"):
+        in_studio = f"{title} as in a Studio"
+        methods[in_studio] = lambda tests: found(regressor, refiner, tests)
+        methods[f"{in_studio}, refined by lines"] = lambda tests: refined(refiner, methods[in_studio](tests), tests)
     return methods
 
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from zipfile import BadZipFile
 
 import numpy as np
 from scipy import sparse
@@ -16,6 +15,7 @@ from ..face.drawing import LIPS
 from ..face.exaggeration import LEVELS
 from ..face.model import FaceModel
 from ..face.template import PARTS
+from ..files.kept import keep, kept
 from ..sketch import FEATURES, SILHOUETTE
 
 LINES = (SILHOUETTE, *FEATURES, *LIPS)
@@ -71,15 +71,10 @@ def tabulate(database: FaceDatabase, path: Path) -> FaceTable:
                 points.append(np.stack([pick @ head for head in heads]).astype(np.float16))
                 wrinkles.append(database.wrinkles_of(identity, level).astype(np.float16))
         most = max(int(np.isfinite(lines[..., 0, 0]).sum(axis=-1).max(initial=0)) for lines in wrinkles)
-        unfinished = path.with_suffix(".part.npz")
         wrinkles = np.stack([lines[:, :most] for lines in wrinkles])
-        np.savez(unfinished, points=np.stack(points), codes=np.stack(codes).astype(np.float32), wrinkles=wrinkles)
-        unfinished.replace(path)
-    try:
-        with np.load(path) as stored:
-            return FaceTable(stored["points"], stored["codes"], stored["wrinkles"], lengths)
-    except (BadZipFile, EOFError, KeyError, ValueError) as error:
-        raise ValueError(f"{path} is damaged; remove it to make it anew: {error}") from error
+        table = {"points": np.stack(points), "codes": np.stack(codes).astype(np.float32), "wrinkles": wrinkles}
+        keep(path, table)
+    return FaceTable(**kept(path, ("points", "codes", "wrinkles")), lengths=lengths)
 
 
 def vertex_metric(model: FaceModel) -> np.ndarray:

@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, fields
 from pathlib import Path
-from zipfile import BadZipFile
 
 import numpy as np
 import torch
 from torch.utils.data import DataLoader
 from tqdm import tqdm
 
+from ..files.kept import keep, kept
 from ..inference.network import PixelShapeCNN
 from .examples import Batch, Batches, Examples
 from .network import use_one_thread
@@ -54,24 +54,12 @@ class LookedAt:
 
     def save(self, path: Path) -> None:
         """Write them to a file (.npz)."""
-        unfinished = path.with_suffix(".part.npz")
-        np.savez(unfinished, **asdict(self))
-        unfinished.replace(path)
+        keep(path, asdict(self))
 
     @classmethod
     def load(cls, path: Path) -> LookedAt:
-        """Those of a file.
-
-        Raises
-        ------
-        ValueError
-            If it is damaged.
-        """
-        try:
-            with np.load(path) as stored:
-                return cls(**stored)
-        except (BadZipFile, EOFError, TypeError, ValueError) as error:
-            raise ValueError(f"{path} is damaged; remove it to make it anew: {error}") from error
+        """Those of a file; raises as `sketchwidget.files.kept.kept` does."""
+        return cls(**kept(path, (field.name for field in fields(cls))))
 
 
 class Again(Batches):

@@ -7,16 +7,16 @@ has its fingerprint in the name.
 from __future__ import annotations
 
 import hashlib
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, dataclass, fields, replace
 from functools import cached_property
 from pathlib import Path
-from zipfile import BadZipFile
 
 import numpy as np
 import torch
 
 from ..database.database import FaceDatabase
 from ..database.provenance import provenance
+from ..files.kept import keep, kept
 from ..inference.network import COMPACT, Layout, PixelShapeCNN
 from ..inference.network_file import read_network, save_network
 from ..inference.shape_code import ShapeModel
@@ -77,14 +77,8 @@ class Pipeline:
             people = np.unique(self.kept // len(self.database.expressions))
             model = self.database.model
             made = build_shape_model(self.table, people, (model.identity_size, model.expression_size))
-            unfinished = path.with_suffix(".part.npz")
-            np.savez(unfinished, **asdict(made))
-            unfinished.replace(path)
-        try:
-            with np.load(path) as stored:
-                return ShapeModel(**stored)
-        except (BadZipFile, EOFError, TypeError, ValueError) as error:
-            raise ValueError(f"{path} is damaged; remove it to make it anew: {error}") from error
+            keep(path, asdict(made))
+        return ShapeModel(**kept(path, (field.name for field in fields(ShapeModel))))
 
     def _file(self, what: str) -> Path:
         return self.work / f"{what}-{self.database.sum[:8]}-{self.database.model.fingerprint[:8]}.npz"

@@ -165,3 +165,17 @@ def test_the_code_of_a_drawing_is_found_from_a_guess(true):
 
 def test_a_drawing_of_unknown_strokes_has_the_code_of_none():
     np.testing.assert_array_equal(shape_code(shape_model(), POINTS, DrawnLines([ellipse("nose")], ["unnamed"])), 0)
+
+
+def test_of_points_that_are_seen_each_run_is_a_stroke():
+    numbers = split_lines(np.arange(len(POINTS)))
+    seen = np.isin(np.arange(len(POINTS)), [*numbers[SILHOUETTE], *numbers["nose"][:4], *numbers["nose"][8:]])
+    drawn, weight = DrawnLines.of_points(POINTS, seen).match(POINTS)
+    np.testing.assert_allclose(of(SILHOUETTE, drawn), LINES[SILHOUETTE], atol=0.005)
+    apart = np.linalg.norm(of("nose", drawn) - LINES["nose"], axis=1)
+    assert apart[:4].max() < 1e-3 and apart[8:].max() < 1e-3 and apart[5:7].min() > 0.01
+    assert not of("left_brow", weight).any()
+    closing = LINES[SILHOUETTE][[0, -1]].mean(axis=0)  # the silhouette is closed: there is ink where it begins
+    points = POINTS.copy()
+    points[numbers[SILHOUETTE][0]] = closing
+    assert np.linalg.norm(DrawnLines.of_points(POINTS, seen).match(points)[0][0] - closing) < 0.002

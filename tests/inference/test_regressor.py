@@ -262,6 +262,13 @@ def test_a_network_of_pixels_answers_by_them_alone(tmp_path, drawing):
     np.testing.assert_array_equal(regressor.weights(image, codes)[0], identity)
 
 
+def test_codes_that_are_too_short_are_refused(tmp_path):
+    regressor = kept(tmp_path / "tiny.safetensors", FaceModel.load())
+    image = np.zeros((1, 256, 256), dtype=bool)
+    with pytest.raises(ValueError, match=r"\(b, 66\) or longer; given \(1, 50\)"):
+        regressor.weights(image, np.ones((1, 50), np.float32))
+
+
 def test_refining_brings_the_lines_nearer_to_the_drawn_ones(tmp_path, drawing):
     model, sketch = FaceModel.load(), Sketch.from_strokes(drawing)
 
