@@ -1,4 +1,4 @@
-"""A line that is drawn anew, as smooth as it must be for the head to obey it, and not to fold (paper 5.1)."""
+"""A line that is drawn anew, as smooth as it must be for the head to obey it (paper 5.1)."""
 
 from __future__ import annotations
 
@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from sketchwidget.face.handles import LINES
-from sketchwidget.geometry.folding import turned_over
 from sketchwidget.sketch import Sketch
 from sketchwidget.sketch.gap import GapError
 from sketchwidget.sketch.piece import handle_points
@@ -35,7 +34,7 @@ def obeyed(state: State, stroke: Draw, modeller: Modeller) -> tuple[Draw, State]
     Raises
     ------
     ValueError
-        If the stroke does not close the gap, or no head is near such a line without folds.
+        If the stroke does not close the gap, or no head is near such a line.
     """
     assert state.followup is not None and state.followup.before is not None
     before = state.followup.before
@@ -47,15 +46,12 @@ def obeyed(state: State, stroke: Draw, modeller: Modeller) -> tuple[Draw, State]
             if spacing == _SPACINGS[0]:
                 raise
             continue
-        former, head = modeller.head(before), modeller.tried(drawn)
-        if turned_over(former.layers.drawn.vertices, head.layers.drawn.vertices, modeller.skin_faces):
-            continue
-        off = _off_lines(drawn.sketch, head)
+        off = _off_lines(drawn.sketch, modeller.tried(drawn))
         if off.max() <= _NEAR:
             return smooth, drawn
         # What was off before may be so still: an outline that is drawn smoother than it is, for instance.
-        known = _off_lines(before.sketch, former)
-        if (off <= np.where(known > _NEAR, _NO_FURTHER * known, _NEAR)).all():
+        former = _off_lines(before.sketch, modeller.head(before))
+        if (off <= np.where(former > _NEAR, _NO_FURTHER * former, _NEAR)).all():
             return smooth, drawn
     raise GapError("no head can have this line beside the others: draw it with fewer turns, or nearer to where it was")
 
