@@ -8,8 +8,8 @@
  *         it rubbed out or gave the head so far must go;
  *         {type: "stroke", stroke: id, tool, mirror} with one buffer: Float32 (n, 4) x, y, pressure, milliseconds.
  *         {type: "partial", stroke: id, mirror} with such a buffer: the pen's stroke so far. At most 15 a second, none before
- *         the last one was answered, and the longer that took, the fewer: a busy kernel never has a queue of them. Where the
- *         pen rests, what was not sent yet follows.
+ *         the last one was answered, and the longer that took, the fewer: a busy kernel never has a queue of them, and a slow page
+ *         no more than it can draw. Where the pen rests, what was not sent yet follows.
  * Takes   {type: "followed", stroke: id}: the kernel has answered a partial stroke;
  *         {type: "dry", stroke: id}: the kernel has answered that stroke, and drawn what has become of it.
  * Class   "sketchwidget-drawing" on the pad's element while the pen is down.
@@ -27,7 +27,7 @@ const CANVAS_EVENTS = [
 // Browsers hold pointermove back until the next frame; the raw event comes at once, where there is one.
 const MOVED = "onpointerrawupdate" in window ? "pointerrawupdate" : "pointermove";
 const PARTIAL_EVERY = 1000 / 15; // milliseconds
-const REST = 3; // times what an answer takes: so long, at least, from one to the next, or the end of a stroke would wait
+const REST = 3; // times what an answer takes until it is on screen: so long, at least, from one to the next, or the end of a stroke would wait
 const LONGEST_REST = 1000; // milliseconds: a kernel that was busy once is asked again
 const PEN_ERASER_BUTTON = 32; // PointerEvent.buttons of a stylus turned over
 
@@ -274,20 +274,25 @@ async function render({ model, el }) {
 
   function answer(message) {
     if (message.type !== "followed") dry(message);
-    else if (message.stroke === asked) {
+    else if (message.stroke === asked) shown(() => {
       asked = null;
       took = performance.now() - lastAsked;
       ask();
-    }
+    });
   }
 
   function dry(message) {
     if (message.type !== "dry" || !waiting.has(message.stroke)) return;
     // The lines arrive by another widget's message: wait until they are on screen, so that the ink never blinks.
-    requestAnimationFrame(() => requestAnimationFrame(() => {
+    shown(() => {
       waiting.delete(message.stroke);
       repaint();
-    }));
+    });
+  }
+
+  /** Calls back once what came with a message is on screen. */
+  function shown(then) {
+    requestAnimationFrame(() => requestAnimationFrame(then));
   }
 
   function fit() {
