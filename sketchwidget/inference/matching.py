@@ -72,7 +72,7 @@ class DrawnLines:
         return cls(strokes, names)
 
     def without_ears(self) -> DrawnLines:
-        """The others."""
+        """All of them but the ears."""
         others = copy.copy(self)
         others._ink = {group: ink for group, ink in self._ink.items() if not group.endswith("ear")}
         return others

@@ -18,7 +18,7 @@ _SAMPLES = 4  # from handle point to handle point
 def fair(at: np.ndarray, values: np.ndarray, held: Sequence[tuple[float, float]], spacing: int) -> BSpline:
     """The nearest curve to values along a line that the handle points of a head can be on.
 
-    Handle points come from the vertices of a coarse mesh, half as many, by a spacing of subdivision, whose limit is a
+    Handle points come from the vertices of a coarse mesh, half as many, by a step of subdivision, whose limit is a
     cubic spline: of the splines with a knot at every second handle point this is the nearest one by least squares.
 
     Parameters
