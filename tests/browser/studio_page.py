@@ -132,6 +132,17 @@ class StudioPage:
         self.page.mouse.move(*self.on_picture(pixel))
         return "sketchwidget-clickable" in (self.picture.get_attribute("class") or "")
 
+    def open_and_click(self, name: str, data: bytes, pixels: np.ndarray) -> str:
+        """Open a picture, and click pixels (n, 2) of it, each after the mark of the one before; what was said of it."""
+        self.open_picture(name, data)
+        opened = until(lambda: self.message, lambda said: said.startswith(f"{name} is open"), "the word of the picture")
+        until(lambda: self.takes_clicks_at(pixels[0]), what="a picture that takes clicks")
+        until(lambda: len(self.marks()), lambda marks: marks == 0, "a picture without marks")
+        for count, pixel in enumerate(pixels, start=1):
+            self.page.mouse.click(*self.on_picture(pixel))
+            until(lambda: len(self.marks()), lambda marks, count=count: marks >= count, "the mark of the click")
+        return opened
+
     def touch_head(self, points: Iterable[Iterable[float]]) -> None:
         """Draw with a finger over the head, by touches of the browser's own."""
         places = self._on_head(points)

@@ -66,13 +66,7 @@ def nose_length(studio: StudioPage, model: sw.FaceModel) -> float:
 def begin(studio: StudioPage, drawn: tuple[bytes, np.ndarray]) -> None:
     """Open the picture and click the three points."""
     data, landmarks = drawn
-    studio.open_picture("someone.png", data)
-    until(lambda: studio.message, lambda said: said.startswith("someone.png is open"), "the word of the picture")
-    until(lambda: studio.takes_clicks_at(landmarks[36]), what="a picture that takes clicks")
-    until(lambda: len(studio.marks()), lambda marks: marks == 0, "a picture without marks")
-    for count, number in enumerate((36, 45, CHIN), start=1):
-        studio.page.mouse.click(*studio.on_picture(landmarks[number]))
-        until(lambda: len(studio.marks()), lambda marks, count=count: marks >= count, "the mark of the click")
+    studio.open_and_click("someone.png", data, landmarks[[36, 45, CHIN]])
     until(lambda: len(studio.marks()), lambda marks: marks == 68, "the landmarks")
     until(lambda: studio.message, lambda said: said.startswith("The head meets"), "the fit")
 
@@ -183,11 +177,7 @@ def test_bad_files_are_a_sentence_and_lose_nothing(tab, drawn) -> None:
 
 def test_landmarks_that_are_no_face_are_told(tab, drawn) -> None:
     data, landmarks = drawn
-    tab.open_picture("someone.png", data)
-    until(lambda: tab.message, lambda said: said.startswith("someone.png is open"), "the word of the picture")
-    for count, pixel in enumerate((landmarks[36], landmarks[45]), start=1):
-        tab.page.mouse.click(*tab.on_picture(pixel))
-        until(lambda: len(tab.marks()), lambda marks, count=count: marks == count, "the mark of the click")
+    tab.open_and_click("someone.png", data, landmarks[[36, 45]])
     tab.page.mouse.click(*tab.on_picture(landmarks[27] - [0, 80]))  # a chin above the eyes
     until(lambda: tab.message, lambda said: said.startswith("No face can be there"), "the refusal")
     assert len(tab.marks()) == 2

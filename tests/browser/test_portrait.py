@@ -42,20 +42,8 @@ def built(page: StudioPage, drawn) -> StudioPage:
     data, landmarks = drawn
     page.head.hover()
     page.page.keyboard.press("x")
-    picture = page.root.locator(".sketchwidget-picture")
-    picture.wait_for()
-    with page.page.expect_file_chooser() as chooser:
-        page.click("picture")
-    chooser.value.set_files({"name": "someone.png", "mimeType": "image/png", "buffer": data})
-    until(lambda: page.message, lambda said: said.startswith("someone.png is open"), "the word of the picture")
-    assert "sketchwidget models" in page.message
-    for count, number in enumerate((36, 45, CHIN), start=1):
-        box = picture.bounding_box()
-        left, top, side, _ = map(float, picture.locator("svg").get_attribute("viewBox").split())
-        x, y = (landmarks[number] - (left, top)) / side * box["width"]
-        page.page.mouse.click(box["x"] + x, box["y"] + y)
-        marks = page.root.locator(".sketchwidget-points circle")
-        until(marks.count, lambda seen, count=count: seen >= count, "the mark of the click")
+    page.picture.wait_for()
+    assert "sketchwidget models" in page.open_and_click("someone.png", data, landmarks[[36, 45, CHIN]])
     until(lambda: page.message, lambda said: said.startswith("The head is built in"), "the head")
     until(lambda: textured(page), what="the texture on the head")
     until(lambda: slider(page, "jawOpen").count(), what="the sliders")
@@ -164,8 +152,6 @@ def test_the_head_is_taken_over_and_edited_with_its_texture(built, model) -> Non
 def test_what_is_no_picture_is_told(page) -> None:
     page.head.hover()
     page.page.keyboard.press("x")
-    page.root.locator(".sketchwidget-picture").wait_for()
-    with page.page.expect_file_chooser() as chooser:
-        page.click("picture")
-    chooser.value.set_files({"name": "letter.png", "mimeType": "image/png", "buffer": b"Dear reader"})
+    page.picture.wait_for()
+    page.open_picture("letter.png", b"Dear reader")
     until(lambda: page.message, lambda said: said.startswith("letter.png was not opened"), "the refusal")
