@@ -15,7 +15,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import torch
 
 import sketchwidget as sw
 from sketchwidget.geometry.region_deformation import RegionDeformation
@@ -44,7 +43,6 @@ def measure(repeat: int = 100) -> dict[str, Any]:
         "network": _median(lambda: regressor.weights(image[None]), repeat),
         "mesh": _median(lambda: regressor.model.vertices(identity[0], expression[0]), repeat),
         "inference": _median(lambda: regressor.infer(sketch), repeat),
-        "inference, one thread": _on_one_thread(lambda: regressor.infer(sketch), repeat),
         "session": _stroke(regressor, repeat),
         **_refinement(),
         **_deformation(regressor, repeat),
@@ -61,16 +59,6 @@ def _median(step: Any, repeat: int) -> float:
         step()
         times.append(time.perf_counter() - began)
     return 1000 * statistics.median(times[5:])
-
-
-def _on_one_thread(step: Any, repeat: int) -> float:
-    """Median milliseconds of a step for which torch uses one thread."""
-    threads = torch.get_num_threads()
-    torch.set_num_threads(1)
-    try:
-        return _median(step, repeat)
-    finally:
-        torch.set_num_threads(threads)
 
 
 def _stroke(regressor: sw.FaceRegressor, repeat: int) -> float:

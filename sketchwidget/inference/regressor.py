@@ -129,8 +129,9 @@ class FaceRegressor:
         """
         if not isinstance(sketch, Sketch):
             raise TypeError(f"a drawing is a Sketch, as Sketch.from_strokes makes; given {type(sketch).__name__}")
-        # NumPy's threads and torch's make each other wait, for tens of milliseconds; what NumPy does here is small.
-        with self._pools.limit(limits=1, user_api="blas"):
+        # A second thread saves a few milliseconds where it has a core to itself, and costs tens of them where a browser
+        # draws on that core, or another pupil's kernel.
+        with self._pools.limit(limits=1):
             return self._infer(sketch)
 
     def _infer(self, sketch: Sketch) -> Inference:

@@ -191,10 +191,11 @@ class Session(HasTraits):
         it was.
         """
         state, stroke = self._history.state, Draw(points, view, mirror)
-        if view != "front" or self.gap is None:
-            return self._modeller.head(apply(state, stroke, self._modeller))
-        stroke = replace(stroke, points=carried_on(self.gap, stroke.points))
-        return self._modeller.obeying(apply(state, stroke, self._modeller), state)
+        with self._modeller.one_thread():
+            if view != "front" or self.gap is None:
+                return self._modeller.head(apply(state, stroke, self._modeller))
+            stroke = replace(stroke, points=carried_on(self.gap, stroke.points))
+            return self._modeller.obeying(apply(state, stroke, self._modeller), state)
 
     def erase(self, points: Any, radius: float = 0.02) -> bool:
         """Erase the ink under the eraser.
@@ -325,7 +326,8 @@ class Session(HasTraits):
         event = self._named(Gesture(points, view))
         if event.name in ARROWS or may_change(event, self._history.state):
             return None
-        return self._modeller.head(apply(self._history.state, event, self._modeller)).face
+        with self._modeller.one_thread():
+            return self._modeller.head(apply(self._history.state, event, self._modeller)).face
 
     def under_brush(self, path: Any, radius: float, view: View | str | None = None) -> np.ndarray:
         """The vertices (k,) of the visible surface that a brush would mark; pass them to `brush`.
@@ -497,7 +499,8 @@ class Session(HasTraits):
         if not isinstance(event, Event):
             raise TypeError(f"a session does an Event, as those of Session.events; given {type(event).__name__}")
         started = perf_counter()
-        changed = self._record(event)
+        with self._modeller.one_thread():
+            changed = self._record(event)
         if changed:
             try:
                 if self._autosave is not None:
@@ -538,7 +541,8 @@ class Session(HasTraits):
             "timings": {"sketch": _milliseconds_since(started)},
         }
         try:
-            head = self._modeller.head(state)
+            with self._modeller.one_thread():
+                head = self._modeller.head(state)
             traits |= {
                 "sketch": state.sketch.renamed(head.names),
                 "face": head.face,

@@ -3,6 +3,7 @@ import sys
 
 import numpy as np
 import pytest
+import threadpoolctl
 import traitlets
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
@@ -92,6 +93,19 @@ def test_what_has_no_effect_is_neither_recorded_nor_inferred(session, regressor)
     assert not session.clear()
     assert session.events == (Draw(STROKE), Undo())
     assert regressor.asked == 2
+
+
+def test_a_stroke_takes_one_thread_and_leaves_others_theirs(session, regressor, monkeypatch):
+    def threads():
+        return {pool["num_threads"] for pool in threadpoolctl.threadpool_info()}
+
+    infer, during = regressor.infer, []
+    monkeypatch.setattr(regressor, "infer", lambda sketch: during.append(threads()) or infer(sketch))
+    with threadpoolctl.threadpool_limits(3):
+        session.draw(STROKE)
+        session.preview([[0.5, 0.5], [0.6, 0.6]])
+        assert during == [{1}, {1}]
+        assert threads() == {3}
 
 
 def test_undo_gives_the_former_face(session):
