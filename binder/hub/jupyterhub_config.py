@@ -1,10 +1,12 @@
 """A hub that gives every pupil a container of the image, on the machine that it runs on.
 
-    pip install 'jupyterhub==6.*' dockerspawner; npm install -g configurable-http-proxy
+    pip install 'jupyterhub==6.*' dockerspawner jupyterhub-idle-culler; npm install -g configurable-http-proxy
     jupyterhub -f binder/hub/jupyterhub_config.py
 
 Whoever has an account on the machine may log in; others by another `JupyterHub.authenticator_class`.
 """
+
+import sys
 
 c = get_config()  # noqa: F821  # a name that JupyterHub gives to what it reads
 
@@ -26,3 +28,15 @@ c.DockerSpawner.cpu_limit = 1.0
 # A class logs in all at once, and each server takes seconds of a processor to start.
 c.DockerSpawner.start_timeout = 300
 c.DockerSpawner.http_timeout = 300
+
+# What nobody has used for an hour gives its memory back; the volume keeps what was drawn.
+c.JupyterHub.services = [
+    {"name": "idle-culler", "command": [sys.executable, "-m", "jupyterhub_idle_culler", "--timeout=3600"]}
+]
+c.JupyterHub.load_roles = [
+    {
+        "name": "idle-culler",
+        "services": ["idle-culler"],
+        "scopes": ["list:users", "read:users:activity", "read:servers", "delete:servers"],
+    }
+]
