@@ -74,6 +74,10 @@ class Avatar:
     def _blend(self) -> Blend:
         return Blend(self.face.vertices, self.rig)
 
+    @cached_property
+    def _neck_cap(self) -> np.ndarray:
+        return neck_cap(self.model)
+
     def pose(self, weights: Mapping[str, float]) -> np.ndarray:
         """The head with some expressions: skin adds up linearly (equation 13), eyeballs turn.
 
@@ -107,7 +111,7 @@ class Avatar:
         """A textured picture (size, size, 3) uint8; a preset view is a little further away, to show the neck too."""
         if isinstance(view, str):
             view = View(View.preset(view).rotation, 0.88 / CANVAS_MM, np.array([0.5, 0.47]))
-        closed = np.concatenate([self.model.faces, neck_cap(self.model)])
+        closed = np.concatenate([self.model.faces, self._neck_cap])
         return textured(self.pose(weights or {}), closed, self.uv, self.texture, view, size)
 
     def to_glb(self, tracks: Iterable[Performance] | None = None) -> bytes:
@@ -164,7 +168,6 @@ class Avatar:
         is_ball = np.zeros(len(vertices), dtype=bool)
         is_ball[np.concatenate([eye.vertices for eye in self.eyes])] = True
         kept = {"head": (np.flatnonzero(~is_ball), self.rig)}
-        cap = neck_cap(self.model)
         for eye in self.eyes:
             turned = {name: np.zeros_like(vertices) for name in gaze_names(eye.side)}
             for name, moved in turned.items():
@@ -177,8 +180,8 @@ class Avatar:
             own = number[faces]
             own, facing = own[(own >= 0).all(axis=1)], normals[members]
             if name == "head":  # the cut of the neck has an edge, and so vertices of its own
-                border, closing = np.unique(cap, return_inverse=True)
-                own = np.concatenate([own, len(members) + closing.reshape(cap.shape)])
+                border, closing = np.unique(self._neck_cap, return_inverse=True)
+                own = np.concatenate([own, len(members) + closing.reshape(self._neck_cap.shape)])
                 members = np.concatenate([members, border])
                 facing = np.concatenate([facing, np.tile((0.0, -1.0, 0.0), (len(border), 1))])
             meshes.append(
