@@ -12,7 +12,6 @@ from typing import Any, Literal
 
 import cv2
 import numpy as np
-import torch
 
 from ..face.face import Face
 from ..face.model import FaceModel
@@ -22,6 +21,7 @@ from ..portrait.mask import PersonMask, face_oval
 from ..portrait.mediapipe import MediaPipeDetector
 from ..portrait.models import HOW_TO_GET, missing
 from ..portrait.picture import load_picture
+from ..threads import one_thread
 from .avatar import Avatar
 from .camera import Camera
 from .coarse import CoarseFitter
@@ -138,13 +138,9 @@ def build(
         marks = _marks(picture, landmarks, detector, face)
     clock.tell(marks.points * larger)
     tools = _tools_for(model)
-    threads = torch.get_num_threads()
-    torch.set_num_threads(1)  # small tensors: several threads wait for each other
-    try:
-        network = tools.network if network is None else network
+    network = tools.network if network is None else network
+    with one_thread():
         return _built(picture, larger, marks, stylize, tools, network or None, clock)
-    finally:
-        torch.set_num_threads(threads)
 
 
 def _built(

@@ -13,6 +13,7 @@ from safetensors.torch import save_file
 
 from ..files.tensorfile import read, writing
 from ..sketch.stroke import as_points
+from ..threads import one_thread
 from .names import GESTURES, LINE
 from .network import GestureCNN
 from .picture import picture
@@ -68,7 +69,8 @@ class GestureClassifier:
         stroke = as_points(points)
         if (stroke == stroke[0]).all():
             return None, 0.0
-        probabilities = self.probabilities(picture(stroke)[None])[0]
+        with one_thread():
+            probabilities = self.probabilities(picture(stroke)[None])[0]
         best = int(probabilities.argmax())
         probability = float(probabilities[best])
         name = GESTURES[best] if probability >= self.threshold else None

@@ -9,13 +9,13 @@ from pathlib import Path
 
 import numpy as np
 import torch
-from threadpoolctl import ThreadpoolController
 
 from ..face import Face, FaceModel
 from ..face.drawing import outline as drawn_outline
 from ..face.drawing import outline_weights
 from ..geometry.view import CANVAS_MM, View
 from ..sketch import FEATURES, SILHOUETTE, UNNAMED, Sketch
+from ..threads import one_thread
 from .framing import Frame, place
 from .matching import DrawnLines, shape_code
 from .naming import name_strokes
@@ -95,7 +95,6 @@ class FaceRegressor:
         self._network = network.folded().bfloat16()
         self._network.to(memory_format=torch.channels_last)  # pyright: ignore[reportCallIssue]
         self._standard = standard
-        self._pools = ThreadpoolController()
         corners = model.template.subdivision[model.landmarks].toarray()  # (68, n)
         by_vertex = model.bilinear.basis.reshape(-1, 3, model.bilinear.basis.shape[1])
         self._landmarks = np.einsum("ln,nck->lck", corners, by_vertex).reshape(3 * len(corners), -1)
@@ -129,9 +128,7 @@ class FaceRegressor:
         """
         if not isinstance(sketch, Sketch):
             raise TypeError(f"a drawing is a Sketch, as Sketch.from_strokes makes; given {type(sketch).__name__}")
-        # A second thread saves a few milliseconds where it has a core to itself, and costs tens of them where a browser
-        # draws on that core, or another pupil's kernel.
-        with self._pools.limit(limits=1):
+        with one_thread():
             return self._infer(sketch)
 
     def _infer(self, sketch: Sketch) -> Inference:

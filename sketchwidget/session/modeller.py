@@ -4,14 +4,12 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Mapping
-from contextlib import AbstractContextManager
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from time import perf_counter
 from typing import TYPE_CHECKING
 
 import numpy as np
-from threadpoolctl import ThreadpoolController
 
 from sketchwidget.face.attached import Attached, attached_parts
 from sketchwidget.face.cover import Cover
@@ -170,18 +168,6 @@ class Modeller:
         from sketchwidget.face import Face
 
         return Face(self.model, vertices)
-
-    @cached_property
-    def _pools(self) -> ThreadpoolController:
-        return ThreadpoolController()
-
-    def one_thread(self) -> AbstractContextManager[object]:
-        """A context in which all is computed by the calling thread.
-
-        What a stroke asks for is small: several threads would wait for each other more than they save, and for tens of
-        milliseconds where a core is busy with another program, such as the browser that draws the head.
-        """
-        return self._pools.limit(limits=1)
 
     def prepare(self) -> None:
         """Load the network and what deforms heads."""

@@ -18,6 +18,7 @@ from sketchwidget.gesture.names import ARROWS
 from sketchwidget.sketch import Sketch, as_stroke
 from sketchwidget.sketch.erase import as_radius
 from sketchwidget.sketch.gap import carried_on
+from sketchwidget.threads import one_thread
 
 from . import file, profile
 from .apply import apply
@@ -191,7 +192,7 @@ class Session(HasTraits):
         it was.
         """
         state, stroke = self._history.state, Draw(points, view, mirror)
-        with self._modeller.one_thread():
+        with one_thread():
             if view != "front" or self.gap is None:
                 return self._modeller.head(apply(state, stroke, self._modeller))
             stroke = replace(stroke, points=carried_on(self.gap, stroke.points))
@@ -326,7 +327,7 @@ class Session(HasTraits):
         event = self._named(Gesture(points, view))
         if event.name in ARROWS or may_change(event, self._history.state):
             return None
-        with self._modeller.one_thread():
+        with one_thread():
             return self._modeller.head(apply(self._history.state, event, self._modeller)).face
 
     def under_brush(self, path: Any, radius: float, view: View | str | None = None) -> np.ndarray:
@@ -499,7 +500,7 @@ class Session(HasTraits):
         if not isinstance(event, Event):
             raise TypeError(f"a session does an Event, as those of Session.events; given {type(event).__name__}")
         started = perf_counter()
-        with self._modeller.one_thread():
+        with one_thread():
             changed = self._record(event)
         if changed:
             try:
@@ -541,7 +542,7 @@ class Session(HasTraits):
             "timings": {"sketch": _milliseconds_since(started)},
         }
         try:
-            with self._modeller.one_thread():
+            with one_thread():
                 head = self._modeller.head(state)
             traits |= {
                 "sketch": state.sketch.renamed(head.names),
