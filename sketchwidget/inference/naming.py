@@ -10,7 +10,7 @@ from itertools import combinations
 import numpy as np
 from scipy.spatial.distance import cdist
 
-from ..sketch import SILHOUETTE, UNNAMED, WRINKLE, arc_length, resample, resample_each
+from ..sketch import SILHOUETTE, UNNAMED, WRINKLE, lengths, resample_each
 from .outline import Outline
 
 _SAMPLES = 24
@@ -59,9 +59,7 @@ def name_strokes(
     """
     size = float(np.sqrt(np.prod(np.ptp(outline.points, axis=0))))
     names = list(lines)
-    points = resample_each(strokes, _SAMPLES)
-    length = np.array([arc_length(stroke)[-1] for stroke in strokes])
-    distance = np.stack([_distance(points, length, line, _NEAR * size) for line in lines.values()])
+    distance = _distances(strokes, list(lines.values()), _NEAR * size)
     nearest = distance.argmin(axis=0)
     inner = {
         index: _Extent.of(stroke)
@@ -85,16 +83,19 @@ def name_strokes(
     return tuple(name(index) for index in range(len(strokes)))
 
 
-def _distance(points: np.ndarray, length: np.ndarray, line: np.ndarray, reach: float) -> np.ndarray:
-    """Mean distance (n,) of strokes (n, k, 2) from a line; inf beyond `reach`, and where lengths do not go together."""
-    distance = np.full(len(points), np.inf)
-    ratio = length / arc_length(line)[-1]
+def _distances(strokes: Sequence[np.ndarray], lines: Sequence[np.ndarray], reach: float) -> np.ndarray:
+    """Mean distances (m, n) of n strokes from m lines; inf beyond `reach`, and where lengths do not go together."""
+    distance = np.full((len(lines), len(strokes)), np.inf)
+    points = resample_each(strokes, _SAMPLES)
+    ratio = lengths(strokes) / lengths(lines)[:, None]
     # No mean distance is less than that of the stroke's middle from the line's box: most strokes go no further.
     middle = points.mean(axis=1)
-    off = np.linalg.norm(middle - np.clip(middle, line.min(axis=0), line.max(axis=0)), axis=1)
-    rivals = np.flatnonzero((off < reach) & (ratio >= _LENGTHS[0]) & (ratio <= _LENGTHS[1]))
-    apart = cdist(points[rivals].reshape(-1, 2), resample(line, 2 * _SAMPLES))
-    distance[rivals] = apart.min(axis=1).reshape(-1, _SAMPLES).mean(axis=1)
+    low, high = np.array([line.min(axis=0) for line in lines]), np.array([line.max(axis=0) for line in lines])
+    off = np.linalg.norm(middle - np.clip(middle, low[:, None], high[:, None]), axis=2)
+    rivals = (off < reach) & (ratio >= _LENGTHS[0]) & (ratio <= _LENGTHS[1])
+    for number, line in enumerate(resample_each(lines, 2 * _SAMPLES)):
+        apart = cdist(points[rivals[number]].reshape(-1, 2), line)
+        distance[number, rivals[number]] = apart.min(axis=1).reshape(-1, _SAMPLES).mean(axis=1)
     distance[distance >= reach] = np.inf
     return distance
 
@@ -108,20 +109,20 @@ class _Extent:
     width: float
     height: float
     closed: bool
-    ends: np.ndarray
+    ends: tuple[list[float], list[float]]
 
     @classmethod
     def of(cls, stroke: np.ndarray) -> _Extent:
         x, y = stroke.mean(axis=0).tolist()
         width, height = np.ptp(stroke, axis=0).tolist()
-        gap = math.dist(stroke[0], stroke[-1])
-        closed = gap < 0.3 * math.hypot(width, height) or len(stroke) == 1
-        return cls(x, y, width, height, closed, stroke[[0, -1]])
+        first, last = stroke[[0, -1]].tolist()
+        closed = math.dist(first, last) < 0.3 * math.hypot(width, height) or len(stroke) == 1
+        return cls(x, y, width, height, closed, (first, last))
 
     def meets(self, other: _Extent) -> bool:
         """Whether both end where the other does, as the lids of an eye: either way, within a quarter of their width."""
-        apart = [np.linalg.norm(self.ends - ends, axis=1).max() for ends in (other.ends, other.ends[::-1])]
-        return bool(min(apart) < 0.25 * min(self.width, other.width))
+        apart = min(max(map(math.dist, self.ends, ends)) for ends in (other.ends, other.ends[::-1]))
+        return apart < 0.25 * min(self.width, other.width)
 
 
 def _eyes_and_brows(strokes: Mapping[int, _Extent], lines: Mapping[str, np.ndarray], side: str) -> dict[int, str]:

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from skimage.measure import points_in_poly
 
-from ..sketch import arc_length, resample
+from ..sketch import arc_length, resample, resample_each
 
 _SAMPLES = 96
 _SECTORS = 36
@@ -64,11 +64,9 @@ def find_outline(strokes: Sequence[np.ndarray]) -> Outline | None:
     """
     extents = [float(np.ptp(stroke, axis=0).max()) for stroke in strokes]
     enough = _SHARE * max(extents, default=0.0)  # a drawing may have ten thousand strokes, but few that go round it
-    lines = [
-        resample(stroke, _SAMPLES) if len(stroke) > 2 and extent >= enough else None
-        for stroke, extent in zip(strokes, extents, strict=True)
-    ]
-    single = [_candidate((index,), line) for index, line in enumerate(lines) if line is not None]
+    large = [index for index, extent in enumerate(extents) if len(strokes[index]) > 2 and extent >= enough]
+    lines = dict(zip(large, resample_each([strokes[index] for index in large], _SAMPLES), strict=True))
+    single = [_candidate((index,), line) for index, line in lines.items()]
     return _best([found for found in single if found], strokes) or _best(_joined(lines), strokes)
 
 
@@ -103,16 +101,12 @@ def _best(candidates: list[_Candidate], strokes: Sequence[np.ndarray]) -> Outlin
     return best
 
 
-def _joined(lines: list[np.ndarray | None]) -> list[_Candidate]:
+def _joined(lines: dict[int, np.ndarray]) -> list[_Candidate]:
     """Candidates made of several long strokes whose ends meet."""
-    drawn = [line for line in lines if line is not None]
-    if not drawn:
+    if not lines:
         return []
-    everything = np.concatenate(drawn)
-    diagonal = float(np.linalg.norm(np.ptp(everything, axis=0)))
-    left = {
-        index: line for index, line in enumerate(lines) if line is not None and arc_length(line)[-1] > _LONG * diagonal
-    }
+    diagonal = float(np.linalg.norm(np.ptp(np.concatenate(list(lines.values())), axis=0)))
+    left = {index: line for index, line in lines.items() if arc_length(line)[-1] > _LONG * diagonal}
     candidates = []
     while left:
         first = min(left)

@@ -3,7 +3,7 @@
 from .erase import erase
 from .names import COLOURS, FEATURES, LINE_NAMES, SILHOUETTE, UNNAMED, WRINKLE, kind, register_line
 from .piece import Piece
-from .polyline import arc_length, resample, resample_each
+from .polyline import arc_length, lengths, resample, resample_each
 from .raster import rasterise
 from .sketch import Segment, Sketch
 from .stroke import as_stroke
@@ -22,6 +22,7 @@ __all__ = [
     "as_stroke",
     "erase",
     "kind",
+    "lengths",
     "rasterise",
     "register_line",
     "resample",

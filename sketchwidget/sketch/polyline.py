@@ -58,21 +58,36 @@ def resample_each(lines: Sequence[np.ndarray], n: int) -> np.ndarray:
         raise ValueError(f"a polyline is resampled to at least 1 point; given {n}")
     if not len(lines):
         return np.empty((0, n, 2), dtype=np.float32)
-    points = np.concatenate([np.asarray(line, dtype=np.float64) for line in lines])
-    last = np.cumsum([len(line) for line in lines]) - 1
-    first = np.concatenate([[0], last[:-1] + 1])
-    # All lines one behind the other: the steps from one to the next have no length.
-    steps = np.hypot(*np.diff(points, axis=0).T)
-    steps[last[:-1]] = 0.0
-    along = np.concatenate([[0.0], np.cumsum(steps)])
-    wanted = np.linspace(along[first], along[last], n, axis=1)
+    points, first, last, along = _one_behind_the_other(lines)
+    wanted = along[first, None] + (along[last] - along[first])[:, None] * (np.arange(n) / max(n - 1, 1))
     # The edge in which each wanted point lies, kept within its own line.
     edge = np.searchsorted(along, wanted.ravel(), side="right").reshape(wanted.shape) - 1
     edge = np.clip(edge, first[:, None], np.maximum(first, last - 1)[:, None])
-    step = np.append(steps, 0.0)[edge]
-    share = np.divide(wanted - along[edge], step, out=np.zeros_like(wanted), where=step > 0).clip(0.0, 1.0)
     after = np.minimum(edge + 1, last[:, None])
+    step = along[after] - along[edge]
+    share = np.divide(wanted - along[edge], step, out=np.zeros_like(wanted), where=step > 0).clip(0.0, 1.0)
     resampled = points[edge] + share[..., None] * (points[after] - points[edge])
     if n > 1:
         resampled[:, -1] = points[last]
     return resampled.astype(np.float32)
+
+
+def lengths(lines: Sequence[np.ndarray]) -> np.ndarray:
+    """Lengths (k,) of polylines; thousands cost hardly more than one."""
+    if not len(lines):
+        return np.empty(0)
+    _, first, last, along = _one_behind_the_other(lines)
+    return along[last] - along[first]
+
+
+def _one_behind_the_other(lines: Sequence[np.ndarray]) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """Points (n, 2) of k lines, where each begins (k,) and ends (k,), and the length (n,) up to each point.
+
+    The steps from one line to the next have no length.
+    """
+    points = np.concatenate(lines).astype(np.float64)
+    last = np.cumsum([len(line) for line in lines]) - 1
+    first = np.concatenate([[0], last[:-1] + 1])
+    steps = np.hypot(*np.diff(points, axis=0).T)
+    steps[last[:-1]] = 0.0
+    return points, first, last, np.concatenate([[0.0], np.cumsum(steps)])

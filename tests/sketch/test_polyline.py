@@ -4,7 +4,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 
-from sketchwidget.sketch import arc_length, resample, resample_each
+from sketchwidget.sketch import arc_length, lengths, resample, resample_each
 
 polylines = hnp.arrays(np.float64, st.tuples(st.integers(1, 20), st.just(2)), elements=st.floats(-1, 2, width=32))
 
@@ -48,6 +48,11 @@ def test_each_of_many_is_resampled_as_if_alone(lines, n):
         wanted = np.linspace(0, along[-1], n)
         alone = np.stack([np.interp(wanted, along, line[:, k]) for k in (0, 1)], axis=1)
         np.testing.assert_allclose(points, alone, atol=1e-6)
+
+
+@given(st.lists(polylines, max_size=5))
+def test_each_of_many_is_as_long_as_if_alone(lines):
+    np.testing.assert_allclose(lengths(lines), [arc_length(line)[-1] for line in lines], atol=1e-9)
 
 
 def test_at_least_one_point_is_asked_for():
