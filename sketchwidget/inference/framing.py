@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.spatial import KDTree
+from scipy.spatial.distance import cdist
 
 from ..geometry.view import CANVAS_MM, View
 
@@ -65,10 +65,12 @@ def place(head: np.ndarray, drawn: np.ndarray) -> View:
     offset = np.array(
         [(drawn_low[0] + drawn_high[0] - scale * (low[0] + high[0])) / 2, drawn_high[1] - scale * high[1]]
     )
-    points = KDTree(head)
+    drawn_middle = drawn.mean(axis=0)
+    drawn_centred = drawn - drawn_middle
     for _ in range(_PLACING_STEPS):
-        nearest = head[points.query((drawn - offset) / scale)[1]]
-        centred, drawn_centred = nearest - nearest.mean(axis=0), drawn - drawn.mean(axis=0)
+        nearest = head[cdist((drawn - offset) / scale, head, "sqeuclidean").argmin(axis=1)]
+        middle = nearest.mean(axis=0)
+        centred = nearest - middle
         scale = float((centred * drawn_centred).sum() / (centred**2).sum())
-        offset = drawn.mean(axis=0) - scale * nearest.mean(axis=0)
+        offset = drawn_middle - scale * middle
     return View(scale=scale / CANVAS_MM, centre=scale * 0.5 + offset)

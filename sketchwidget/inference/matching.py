@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import copy
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
-from scipy.spatial import KDTree
+from scipy.spatial.distance import cdist
 
 from ..sketch import FEATURES, SILHOUETTE, resample_each
 from .shape_code import POINTS, ShapeModel, split_lines
@@ -27,7 +28,9 @@ PLACES = {
 _OUTLINE_INK, _FEATURE_INK = 400, 50  # points of a stroke
 _REACH = 0.03  # canvas units: a point this far from its stroke counts half
 _FARTHEST = 0.12  # beyond this it does not count
-_PLACED_WHOLE = ("brow", "eye", "mouth", "ear")  # what is drawn whole if at all: its middle is that of the line
+_EYES = [group for group in PLACES if "eye" in group]
+# What is drawn whole if at all: its middle is that of the line.
+_PLACED_WHOLE = [group for group in PLACES if any(part in group for part in ("brow", "eye", "mouth", "ear"))]
 _MARK = 0.5  # of the breadth of an eye: what is smaller is a pupil or a dot, which shows where the eye is and no lids
 _ROUNDS = 2
 _CODE_LIMIT = (2.0, 3.0)  # standard deviations that coefficients may go to freely, and at most
@@ -54,8 +57,7 @@ class DrawnLines:
             dense = resample_each([stroke for stroke, _ in chosen], _OUTLINE_INK if outline else _FEATURE_INK)
             for (_, name), points in zip(chosen, dense, strict=True):
                 ink.setdefault(GROUPS[name], []).append(points)
-        self._ink = {group: np.concatenate(lines) for group, lines in ink.items()}
-        self._trees = {group: KDTree(points) for group, points in self._ink.items()}
+        self._ink = {group: _Ink.of(np.concatenate(lines)) for group, lines in ink.items()}
 
     @classmethod
     def of_points(cls, points: np.ndarray, seen: np.ndarray) -> DrawnLines:
@@ -96,21 +98,33 @@ class DrawnLines:
         weight : (n,) array
             How much it counts, from 0 to 1.
         """
-        drawn, weight = np.array(points, dtype=np.float64), np.zeros(len(points))
+        drawn, squares = np.array(points, dtype=np.float64), np.full(len(points), np.inf)
         for group, ink in self._ink.items():
             at = PLACES[group]
             here = points[at]
-            eye = "eye" in group
             # Of lids it is easily the wrong one that is nearest.
-            if eye or (not settled and any(part in group for part in _PLACED_WHOLE)):
-                here = here + _middle(ink) - _middle(here)
-            if eye and np.ptp(ink, axis=0).max() < _MARK * np.ptp(here, axis=0).max():
-                drawn[at], weight[at] = here, 1.0
+            if group in _EYES or (not settled and group in _PLACED_WHOLE):
+                here = here + ink.middle - _middle(here)
+            if group in _EYES and ink.breadth < _MARK * np.ptp(here, axis=0).max():
+                drawn[at], squares[at] = here, 0.0
                 continue
-            distance, nearest = self._trees[group].query(here)
-            drawn[at] = ink[nearest]
-            weight[at] = np.where(distance < _FARTHEST, 1 / (1 + (distance / _REACH) ** 2), 0.0)
-        return drawn, weight
+            apart = cdist(here, ink.points, "sqeuclidean")  # of so few points quicker than a tree
+            nearest = apart.argmin(axis=1)
+            drawn[at], squares[at] = ink.points[nearest], apart[np.arange(len(at)), nearest]
+        return drawn, np.where(squares < _FARTHEST**2, 1 / (1 + squares / _REACH**2), 0.0)
+
+
+@dataclass(frozen=True)
+class _Ink:
+    """What is drawn of lines that may be one stroke: points (n, 2), the middle of their box and its longer side."""
+
+    points: np.ndarray
+    middle: np.ndarray
+    breadth: float
+
+    @classmethod
+    def of(cls, points: np.ndarray) -> _Ink:
+        return cls(points, _middle(points), np.ptp(points, axis=0).max())
 
 
 def shape_code(model: ShapeModel, points: np.ndarray, drawn: DrawnLines) -> np.ndarray:
@@ -126,13 +140,12 @@ def shape_code(model: ShapeModel, points: np.ndarray, drawn: DrawnLines) -> np.n
     drawn : DrawnLines
         In that frame.
     """
-    described = np.zeros(model.size + points.size, dtype=np.float32)
     for turn in range(_ROUNDS):
         found, weight = drawn.match(points, settled=turn > 0)
-        described = model.describe(found[None], weight[None])[0]
-        points = model.decode(described[None, : model.size])[0]
-    described[: model.size] = soft_limit(described[: model.size], *_CODE_LIMIT)
-    return described
+        code = model.encode(found[None], weight[None])
+        points = model.decode(code)[0]
+    left_over = model.left_over(code, found[None], weight[None])
+    return np.concatenate([soft_limit(code, *_CODE_LIMIT), left_over], axis=1)[0]
 
 
 def _middle(points: np.ndarray) -> np.ndarray:
