@@ -100,20 +100,20 @@ class LineRefiner:
             # What is not drawn keeps its shape.
             unseen = _unseen(weight) if self._steady else np.zeros(len(points), dtype=bool)
             target, weight = np.where(unseen[:, None], points + scale * (start - free), target), weight + unseen
-            jacobian = np.concatenate(
+            seen = (~unseen)[:, None, None]
+            # Derivatives by weights, scale and place, and the residual behind them: (n, 2, p + q + 4).
+            rows = np.concatenate(
                 [
-                    scale * by_identity.reshape(-1, p) * self._identity_std,
-                    scale * by_expression.reshape(-1, q) * self._expression_std,
-                    (~unseen[:, None] * scale * (free - 0.5)).reshape(-1, 1),
-                    np.kron(~unseen[:, None], np.eye(2)),
+                    by_identity * (scale * self._identity_std),
+                    by_expression * (scale * self._expression_std),
+                    seen * scale * (free - 0.5)[..., None],
+                    seen * np.eye(2),
+                    (target - points)[..., None],
                 ],
-                axis=1,
+                axis=2,
             )
-            residual = np.concatenate([jacobian, (target - points).reshape(-1, 1)], axis=1)
-            whitened = _whitened(residual.reshape(len(points), -1), weight).reshape(len(residual), -1)
-            jacobian, residual = whitened[:, :-1], whitened[:, -1]
-            normal = jacobian.T @ jacobian + np.diag(self._prior)
-            change += np.linalg.solve(normal, jacobian.T @ residual - self._prior * change)
+            normal = _normal_matrix(rows, weight)
+            change += np.linalg.solve(normal[:-1, :-1] + np.diag(self._prior), normal[:-1, -1] - self._prior * change)
         return self._moved(identity, expression, change)
 
     def _moved(self, identity: np.ndarray, expression: np.ndarray, change: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -127,12 +127,17 @@ def _unseen(weight: np.ndarray) -> np.ndarray:
     return ~(_MEMBERS.T @ (_MEMBERS @ weight > 0)).astype(bool)
 
 
-def _whitened(rows: np.ndarray, weight: np.ndarray) -> np.ndarray:
-    """Rows (n, k) of points whose errors are alike within a feature, as rows whose errors are independent and 1."""
-    count = _MEMBERS @ weight
-    mean = (_MEMBERS * weight) @ rows / np.maximum(count, 1e-9)[:, None]
-    share = 1 - 1 / np.sqrt(1 + count * (_MISPLACED / _MISDRAWN) ** 2)
-    return np.sqrt(weight)[:, None] * (rows - (_MEMBERS.T * share) @ mean) / _MISDRAWN
+def _normal_matrix(rows: np.ndarray, weight: np.ndarray) -> np.ndarray:
+    """Products (k, k) of the columns of rows (n, 2, k) of weighted points, by the inverse covariance of their errors.
+
+    Errors are alike within a feature, and besides each point has its own: the inverse is that of the own ones, less a
+    matrix of rank 1 for each feature (Sherman and Morrison).
+    """
+    alike = (_MISPLACED / _MISDRAWN) ** 2
+    own = (np.sqrt(weight)[:, None, None] * rows).reshape(-1, rows.shape[2])
+    share = np.sqrt(alike / (1 + alike * (_MEMBERS @ weight)))
+    common = (share[:, None] * _MEMBERS * weight @ rows.reshape(len(rows), -1)).reshape(-1, rows.shape[2])
+    return (own.T @ own - common.T @ common) / _MISDRAWN**2
 
 
 def _handle(model: FaceModel, name: str) -> sparse.csr_matrix:

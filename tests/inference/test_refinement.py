@@ -72,7 +72,7 @@ def test_a_moved_drawing_moves_no_vertex_far(model, refiner):
     assert np.linalg.norm(model.face(*found).vertices - model.face(u, v).vertices, axis=1).mean() < 1.2
 
 
-def test_errors_of_a_feature_are_whitened_as_its_covariance_says():
+def test_errors_of_a_feature_count_as_its_covariance_says():
     """A feature is misplaced as a whole, and each of its points besides."""
     at = PLACES["mouth"]
     apart, together = refinement._MISDRAWN, refinement._MISPLACED
@@ -80,9 +80,8 @@ def test_errors_of_a_feature_are_whitened_as_its_covariance_says():
     weight = np.zeros(sum(COUNTS.values()))
     weight[at] = 1.0
     error = np.random.default_rng(0).normal(0, 0.01, (len(weight), 2))
-    whitened = refinement._whitened(error, weight)
     expected = sum(axis @ np.linalg.solve(covariance, axis) for axis in error[at].T)
-    assert (whitened**2).sum() == pytest.approx(expected)
+    assert refinement._normal_matrix(error[..., None], weight).item() == pytest.approx(expected)
 
 
 def test_a_feature_that_is_not_drawn_keeps_its_shape(model, refiner):
