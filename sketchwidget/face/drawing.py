@@ -27,9 +27,14 @@ def outline(points: np.ndarray) -> np.ndarray:
 
 def outline_weights(points: np.ndarray) -> np.ndarray:
     """What `outline` does to handle points (k, 2), as weights (180, k): linear while arc lengths keep their shares."""
+    return along_outline(points, np.eye(len(points)))
+
+
+def along_outline(points: np.ndarray, values: np.ndarray) -> np.ndarray:
+    """Values (180, d) along the `outline` of handle points (k, 2), which have the given ones (k, d)."""
     along = arc_length(points)
     wanted = np.linspace(0.0, along[-1], _OUTLINE_POINTS)
-    even = np.stack([np.interp(wanted, along, unit) for unit in np.eye(len(points))], axis=1)
+    even = np.stack([np.interp(wanted, along, one) for one in values.T], axis=1)
     smooth = gaussian_filter1d(even[:-1], _OUTLINE_SMOOTHING, axis=0, mode="wrap")
     return np.concatenate([smooth, smooth[:1]])
 
