@@ -94,14 +94,10 @@ class FaceRegressor:
         self._network = network.folded().bfloat16()
         self._network.to(memory_format=torch.channels_last)  # pyright: ignore[reportCallIssue]
         self._standard = standard
-        corners = model.template.subdivision[model.landmarks].toarray()  # (68, n)
-        by_vertex = model.bilinear.basis.reshape(-1, 3, model.bilinear.basis.shape[1])
-        self._landmarks = np.einsum("ln,nck->lck", corners, by_vertex).reshape(3 * len(corners), -1)
-        pick = model.template.subdivision[np.concatenate(list(model.curves.values()))]
-        self._curve_mean = pick @ model.bilinear.mean.reshape(-1, 3)
-        self._curve_basis = np.stack([pick @ by_vertex[:, axis] for axis in range(3)], axis=1).reshape(
-            3 * pick.shape[0], -1
-        )
+        self._landmarks = _basis_at(model, model.landmarks)
+        on_curves = np.concatenate(list(model.curves.values()))
+        self._curve_mean = model.template.subdivision[on_curves] @ model.bilinear.mean.reshape(-1, 3)
+        self._curve_basis = _basis_at(model, on_curves)
 
     @property
     def sees(self) -> tuple[str, ...]:
@@ -303,6 +299,13 @@ class FaceRegressor:
         pixels_only = name == "PixelCNN" or not stored.network.layout.shape
         shape_model = None if pixels_only else stored.shape_model
         return cls(model, stored.network, stored.standard, shape_model, refine, stored.header.get("database", ""))
+
+
+def _basis_at(model: FaceModel, vertices: np.ndarray) -> np.ndarray:
+    """The basis (3 k, m) of the coordinates of some vertices (k,) of the fine mesh."""
+    pick = model.template.subdivision[vertices]
+    by_vertex = model.bilinear.basis.reshape(-1, 3, model.bilinear.basis.shape[1])
+    return np.stack([pick @ by_vertex[:, axis] for axis in range(3)], axis=1).reshape(3 * len(vertices), -1)
 
 
 def _drawn(curves: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
