@@ -60,13 +60,7 @@ def resample_each(lines: Sequence[np.ndarray], n: int) -> np.ndarray:
         return np.empty((0, n, 2), dtype=np.float32)
     points, first, last, along = _one_behind_the_other(lines)
     wanted = along[first, None] + (along[last] - along[first])[:, None] * (np.arange(n) / max(n - 1, 1))
-    # The edge in which each wanted point lies, kept within its own line.
-    edge = np.searchsorted(along, wanted.ravel(), side="right").reshape(wanted.shape) - 1
-    edge = np.clip(edge, first[:, None], np.maximum(first, last - 1)[:, None])
-    after = np.minimum(edge + 1, last[:, None])
-    step = along[after] - along[edge]
-    share = np.divide(wanted - along[edge], step, out=np.zeros_like(wanted), where=step > 0).clip(0.0, 1.0)
-    resampled = points[edge] + share[..., None] * (points[after] - points[edge])
+    resampled = np.stack([np.interp(wanted, along, axis) for axis in points.T], axis=2)
     if n > 1:
         resampled[:, -1] = points[last]
     return resampled.astype(np.float32)
@@ -81,13 +75,13 @@ def lengths(lines: Sequence[np.ndarray]) -> np.ndarray:
 
 
 def _one_behind_the_other(lines: Sequence[np.ndarray]) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    """Points (n, 2) of k lines, where each begins (k,) and ends (k,), and the length (n,) up to each point.
+    """Points (n, 2) of k lines, where each begins (k,) and ends (k,), and the way (n,) along all of them to each point.
 
-    The steps from one line to the next have no length.
+    From one line to the next it is a canvas unit.
     """
     points = np.concatenate(lines).astype(np.float64)
     last = np.cumsum([len(line) for line in lines]) - 1
     first = np.concatenate([[0], last[:-1] + 1])
     steps = np.hypot(*np.diff(points, axis=0).T)
-    steps[last[:-1]] = 0.0
+    steps[last[:-1]] = 1.0
     return points, first, last, np.concatenate([[0.0], np.cumsum(steps)])
