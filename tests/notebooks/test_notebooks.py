@@ -1,6 +1,7 @@
-"""Every notebook runs from top to bottom, and is committed as it ran."""
+"""Every notebook runs from top to bottom, its folded solutions too, and is committed as it ran."""
 
 import re
+import textwrap
 from pathlib import Path
 
 import nbformat
@@ -15,7 +16,14 @@ NOTEBOOKS = sorted(FOLDER.glob("*.ipynb"))
 def test_runs_from_top_to_bottom(path, tmp_path, monkeypatch):
     monkeypatch.setenv("TRAINING_STEPS", "50")  # a notebook that trains shows with so many that it runs
     notebook = nbformat.read(path, as_version=4)
+    notebook.cells += map(nbformat.v4.new_code_cell, solutions(notebook.cells[-1].source))
     NotebookClient(notebook, timeout=300, resources={"metadata": {"path": str(tmp_path)}}).execute()
+
+
+def solutions(text: str) -> list[str]:
+    """The blocks of code in the folded part of an exercise's text."""
+    folded = text.partition("<details>")[2]
+    return [textwrap.dedent(block) for block in re.findall(r"```python\n(.*?)^ *```", folded, re.MULTILINE | re.DOTALL)]
 
 
 @pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda path: path.stem)
