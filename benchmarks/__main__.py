@@ -22,6 +22,7 @@ def main() -> None:
         ("network, one sketch", f"{in_kernel['network']:.1f} ms"),
         ("mesh from its weights", f"{in_kernel['mesh']:.1f} ms"),
         ("sketch to face: a freehand face with ears, strokes named", f"{in_kernel['inference']:.1f} ms", "20 ms"),
+        ("the same on one thread, as a session computes", f"{in_kernel['inference, one thread']:.1f} ms"),
         ("one stroke of a session, from points to head", f"{in_kernel['session']:.1f} ms"),
         ("deformation by all curve handles", f"{in_kernel['deformation']:.1f} ms", "8 ms"),
         ("the same, unfolding a mouth drawn twice as wide", f"{in_kernel['unfolding']:.1f} ms"),

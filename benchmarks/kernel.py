@@ -20,6 +20,7 @@ import sketchwidget as sw
 from sketchwidget.geometry.region_deformation import RegionDeformation
 from sketchwidget.gesture.shapes import example
 from sketchwidget.gesture.writers import Writer
+from sketchwidget.threads import one_thread
 
 _DRAWING = Path(__file__).parents[1] / "docs" / "freehand" / "04_calm.json"  # a whole face, ears too
 
@@ -43,6 +44,7 @@ def measure(repeat: int = 100) -> dict[str, Any]:
         "network": _median(lambda: regressor.weights(image[None]), repeat),
         "mesh": _median(lambda: regressor.model.vertices(identity[0], expression[0]), repeat),
         "inference": _median(lambda: regressor.infer(sketch), repeat),
+        "inference, one thread": _on_one_thread(lambda: regressor.infer(sketch), repeat),
         "session": _stroke(regressor, repeat),
         **_refinement(),
         **_deformation(regressor, repeat),
@@ -59,6 +61,12 @@ def _median(step: Any, repeat: int) -> float:
         step()
         times.append(time.perf_counter() - began)
     return 1000 * statistics.median(times[5:])
+
+
+def _on_one_thread(step: Any, repeat: int) -> float:
+    """Median milliseconds of a step that is done as a session does all."""
+    with one_thread():
+        return _median(step, repeat)
 
 
 def _stroke(regressor: sw.FaceRegressor, repeat: int) -> float:
@@ -111,8 +119,8 @@ def _deformation(regressor: sw.FaceRegressor, repeat: int) -> dict[str, float]:
     larger = {name: 1.1 * line for name, line in lines.items()}
     wide = lines | {name: line * [2.0, 1.0] for name, line in lines.items() if "mouth" in name}
     return {
-        "deformation": _median(lambda: model.handles(model.mean, larger), repeat),
-        "unfolding": _median(lambda: model.handles(model.mean, wide), repeat),
+        "deformation": _on_one_thread(lambda: model.handles(model.mean, larger), repeat),
+        "unfolding": _on_one_thread(lambda: model.handles(model.mean, wide), repeat),
     }
 
 

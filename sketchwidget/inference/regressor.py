@@ -123,7 +123,7 @@ class FaceRegressor:
         """
         if not isinstance(sketch, Sketch):
             raise TypeError(f"a drawing is a Sketch, as Sketch.from_strokes makes; given {type(sketch).__name__}")
-        with one_thread():
+        with one_thread("blas"):
             return self._infer(sketch)
 
     def _infer(self, sketch: Sketch) -> Inference:
