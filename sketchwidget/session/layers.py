@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 
-from sketchwidget.geometry.local_frames import local_frames
+from sketchwidget.geometry.alignment import similarity
 
 if TYPE_CHECKING:
     from sketchwidget.face import Face
@@ -24,12 +24,15 @@ class Layer(Protocol):
 
 @dataclass(frozen=True, eq=False)
 class Displacement:
-    """A layer of displacements in the local frames of the head below.
+    """A layer of displacements that turn with the head below as a whole.
+
+    Frames at the vertices would turn by anything where lids and lips that fold over move a little, and the large
+    displacements of an exaggerated head with them: they would tear its skin.
 
     Parameters
     ----------
     offsets : (V, 3) array
-        Millimetres along tangent, bitangent and normal of each vertex.
+        Millimetres, of a head that stands as the mean face does.
     """
 
     offsets: np.ndarray
@@ -42,8 +45,7 @@ class Displacement:
     @classmethod
     def of(cls, below: Face, displacement: np.ndarray) -> Displacement:
         """The layer that moves the vertices of a head by (V, 3) millimetres."""
-        frames = local_frames(below.vertices, below.faces)
-        return cls(np.einsum("vck,vc->vk", frames, displacement).astype(np.float32))
+        return cls((displacement @ _turn(below)).astype(np.float32))
 
     def __add__(self, other: Displacement) -> Displacement:
         return Displacement(self.offsets + other.offsets)
@@ -52,8 +54,7 @@ class Displacement:
         """The head with its vertices displaced."""
         from sketchwidget.face import Face
 
-        moved = np.einsum("vck,vk->vc", local_frames(head.vertices, head.faces), self.offsets)
-        return Face(head.model, head.vertices + moved)
+        return Face(head.model, head.vertices + (self.offsets @ _turn(head).T).astype(np.float32))
 
 
 @dataclass(frozen=True, eq=False)
@@ -102,3 +103,8 @@ class Layers:
     def head(self) -> Face:
         """All layers on top of each other."""
         return self.drawn if self.refinement is None else self.refinement.on(self.drawn)
+
+
+def _turn(head: Face) -> np.ndarray:
+    """The rotation (3, 3) by which a head is turned from the mean face."""
+    return similarity(head.model.mean, head.vertices)[1]

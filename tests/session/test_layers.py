@@ -1,7 +1,10 @@
 """Layers on a real face model."""
 
 import numpy as np
+import pytest
+from folds import turned_over
 
+from sketchwidget.caricature import exaggerate
 from sketchwidget.face import Face
 from sketchwidget.geometry import rotation_about_y
 from sketchwidget.session import Displacement, Layers
@@ -41,3 +44,15 @@ def test_a_displacement_turns_with_the_head_below(model):
     layer = Displacement.between(below, above)
     turned = layer.on(Face(model, below.vertices @ turn.T))
     np.testing.assert_allclose(turned.vertices, above.vertices @ turn.T, atol=1e-3)
+
+
+@pytest.mark.parametrize("expression", ["surprise", "jaw_drop", "eyes_closed"])
+def test_a_displacement_tears_nothing_when_the_head_below_changes_its_face(model, expression):
+    """Lids and lips fold over; where they move a little, what lies far above them does not turn."""
+    identity, rest, other = model.bilinear.identities[3], *(model.face(expression=e) for e in ("neutral", expression))
+    below = model.face(identity)
+    above = exaggerate(below, 2.0)
+    changed = model.face(identity, rest.expression + 0.2 * (other.expression - rest.expression))
+    moved = Displacement.between(below, above).on(changed)
+    assert np.abs(moved.vertices - above.vertices).max() > 1
+    assert turned_over(model, above.vertices, moved.vertices) == 0
