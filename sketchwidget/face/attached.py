@@ -75,9 +75,8 @@ class Eyeball(Attached):
         start, end, turn = _similarity(before[self.leaders], after[self.leaders])
         _place(after, self.vertices, end + turn * (_in_plane(before[self.vertices]) - start))
         shares, rigid = self.rim_shares, 1 - self.rim_shares.sum(axis=1)
-        ways = _in_plane(after) - _in_plane(before)
-        way = rigid * ways[self.rim] + (shares * ways[self.rim_skin]).sum(axis=1)
-        _place(after, self.rim, _in_plane(before[self.rim]) + way)
+        way, of_skin = (_in_plane(after[at]) - _in_plane(before[at]) for at in (self.rim, self.rim_skin))
+        _place(after, self.rim, _in_plane(before[self.rim]) + rigid * way + (shares * of_skin).sum(axis=1))
         expected = end + turn * (_in_plane(before[self.contours]) - start)
         if np.abs(_in_plane(after[self.contours]) - expected).max() > _RESHAPED:
             pierced = self._in_the_way(after)
@@ -149,7 +148,7 @@ def _similarity(before: np.ndarray, after: np.ndarray) -> tuple[complex, complex
 
 
 def _in_plane(points: np.ndarray) -> np.ndarray:
-    return points[:, 0] + 1j * points[:, 1]
+    return points[..., 0] + 1j * points[..., 1]
 
 
 def _place(mesh: np.ndarray, vertices: np.ndarray, there: np.ndarray) -> None:

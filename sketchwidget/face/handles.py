@@ -71,10 +71,9 @@ class CurveHandles:
         )
         self._unfolding = Unfolding(
             self._coarse[soft],
-            faces,
+            _of_skin(faces, template.parts[soft]),
             self._spread,
-            _of_skin(template.coarse_faces, template),
-            _of_skin(template.faces, template),
+            _of_skin(template.faces, template.fine_parts),
             self._deformation.handles,
             _GIVING_WAY,
         )
@@ -206,6 +205,6 @@ def _covered(template: Template, coarse: np.ndarray) -> sparse.csr_matrix:
     return sparse.csr_matrix((values, (rows, columns)), shape=(len(soft), len(soft)), dtype=np.float32)
 
 
-def _of_skin(triangles: np.ndarray, template: Template) -> np.ndarray:
-    """Those of some triangles (k, 3) of the fine vertices that are skin."""
-    return triangles[(template.fine_parts[triangles] == PARTS.index("skin")).all(axis=1)]
+def _of_skin(triangles: np.ndarray, parts: np.ndarray) -> np.ndarray:
+    """Those of some triangles (k, 3) whose vertices, of these parts, are all skin."""
+    return triangles[(parts[triangles] == PARTS.index("skin")).all(axis=1)]

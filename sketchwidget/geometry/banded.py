@@ -27,16 +27,17 @@ class BandedCholesky:
     """
 
     def __init__(self, matrix: Any) -> None:
-        matrix = sparse.csr_matrix(matrix, copy=True)
-        matrix.sum_duplicates()
+        matrix = sparse.csr_matrix(matrix)
         self._order = reverse_cuthill_mckee(matrix, symmetric_mode=True)
         place = np.empty_like(self._order)
         place[self._order] = np.arange(len(place))
         rows, columns = np.repeat(place, np.diff(matrix.indptr)), place[matrix.indices]
         below = rows - columns
-        lower = below >= 0
-        band = np.zeros((below.max(initial=0) + 1, len(place)))
-        band[below[lower], columns[lower]] = matrix.data[lower]
+        lower, height = below >= 0, below.max(initial=0) + 1
+        entries = np.bincount(
+            (height * columns + below)[lower], weights=matrix.data[lower], minlength=height * len(place)
+        )
+        band = entries.reshape(len(place), height).T  # column by column, as LAPACK has it
         self._factor = cholesky_banded(band, lower=True, overwrite_ab=True, check_finite=False)
 
     def solve(self, right: np.ndarray) -> np.ndarray:

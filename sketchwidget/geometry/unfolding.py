@@ -10,10 +10,10 @@ import numpy as np
 from scipy import sparse
 
 from .banded import BandedCholesky
-from .plane_maps import PlaneMaps, in_plane, incidence, least_stretch
+from .plane_maps import PlaneMaps, in_plane, least_stretch, signed_areas
 
 _FOLDED, _OPEN = 0.05, 0.2  # least stretch of a triangle that counts as folded, and of one that is opened again
-_NARROW = 0.5  # of a coarse triangle that may have folds within
+_SHRUNK = 0.3  # of its area: what is left of a triangle that may count as folded
 _WATCHED = 0.5  # of one that may fold while others open
 _RINGS = 6  # of vertices about folds that give way
 _PULL, _HARDER = 30.0, 1.2  # of watched triangles, against what is about them; and how much more in each stage
@@ -39,11 +39,11 @@ class Unfolding:
     rest : (n, 3) array
         The coarse mesh that is displaced, at rest.
     faces : (m, 3) int array
-        Its triangles.
+        Its triangles, of vertices that move points.
     refine : (v, n) sparse matrix
         The points of the surface as combinations of its vertices.
-    scouts, surface : (k, 3), (t, 3) int arrays
-        Triangles of points: a few large ones that tell where to look, and those that must not be turned over.
+    surface : (t, 3) int array
+        Triangles of points that must not be turned over.
     handles : (h, n) sparse matrix
         Each handle as a combination of vertices.
     softness : float
@@ -55,20 +55,17 @@ class Unfolding:
         rest: np.ndarray,
         faces: np.ndarray,
         refine: Any,
-        scouts: np.ndarray,
         surface: np.ndarray,
         handles: Any,
         softness: float,
     ) -> None:
         self._stiffness = sparse.csr_matrix(-igl.cotmatrix(rest, faces))
-        self._beside = sparse.csr_matrix(self._stiffness, dtype=np.int8, copy=True)
-        self._beside.data[:] = 1
+        self._near: Any = self._stiffness.astype(bool) ** _RINGS
         self._refine, self._handles = sparse.csr_matrix(refine), sparse.csr_matrix(handles)
-        self._scouts, self._surface, self._softness = scouts, surface, softness
+        self._moves = self._refine.T.tocsr()
+        self._surface = np.asarray(surface, dtype=np.intp, order="F")  # its columns are asked for
+        self._softness = softness
         self._rigid = lru_cache(maxsize=4)(self._energy)
-        self._shape: tuple[int, int] = refine.shape
-        by_vertex = incidence(surface, self._shape[0]) @ abs(self._refine)
-        self._moved_by = by_vertex.T.tocsr().astype(bool)
 
     def __call__(self, points: np.ndarray, displacement: np.ndarray, held: np.ndarray) -> np.ndarray:
         """How the points are displaced in x and y by the mesh, without the folds that it would make.
@@ -87,45 +84,45 @@ class Unfolding:
         (v, 2) array
             Where handles leave no room for a triangle, it stays folded.
         """
-        before, moves = in_plane(points), self._refine @ in_plane(displacement)
+        moves = self._refine @ in_plane(displacement)
+        before = in_plane(points)
         after = before + moves
-        scouts = PlaneMaps(points, self._scouts)
-        narrow = scouts.facing(np.flatnonzero(least_stretch(scouts(after)) < _NARROW))
-        suspects = PlaneMaps(points, self._moved(self._about(self._scouts[narrow], rings=0)))
+        areas = signed_areas(before, self._surface)
+        shrunk = signed_areas(after, self._surface) * areas < _SHRUNK * areas**2
+        suspects = PlaneMaps(points, self._triangles(shrunk))
         folded = suspects.facing(np.flatnonzero(least_stretch(suspects(after)) < _FOLDED))
         if len(folded):
-            free = self._about(suspects.triangles[folded], _RINGS)
-            moves += self._correction(free, held, PlaneMaps(points, self._moved(free)), after)
+            moves += self._correction(self._about(suspects.triangles[folded]), held, points, after)
         return np.stack([np.real(moves), np.imag(moves)], axis=1)
 
-    def _about(self, triangles: np.ndarray, rings: int) -> np.ndarray:
-        """The vertices (k,) of the mesh that move triangles of points, and some rings about them."""
-        near = np.zeros(self._shape[1], dtype=bool)
-        near[self._refine[triangles.ravel()].indices] = True
-        for _ in range(rings):
-            near = self._beside @ near > 0
-        return np.flatnonzero(near)
+    def _triangles(self, which: np.ndarray) -> np.ndarray:
+        """Some (k, 3) of the surface, told by (t,) bool."""
+        return self._surface.T.take(np.flatnonzero(which), axis=1).T
 
-    def _moved(self, free: np.ndarray) -> np.ndarray:
-        """The triangles (t, 3) of the surface that vertices move."""
-        moved = np.zeros(len(self._surface), dtype=bool)
-        moved[self._moved_by[free].indices] = True
-        return self._surface[moved]
+    def _about(self, triangles: np.ndarray) -> np.ndarray:
+        """The vertices (k,) of the mesh that move triangles of points, and those of some rings about them."""
+        moving = self._refine[np.unique(triangles)].indices
+        about = np.zeros(self._near.shape[0], dtype=bool)
+        about[self._near[np.unique(moving)].indices] = True
+        return np.flatnonzero(about)
 
     def _energy(self, held: bytes) -> Any:
         """Of displacements of the mesh (n, n), with the handles that stay."""
         handles = self._handles[np.frombuffer(held, dtype=bool)]
-        rest = _STAYS * sparse.identity(self._shape[1])  # where nothing is held, it could be anywhere
+        rest = _STAYS * sparse.identity(self._near.shape[0])  # where nothing is held, it could be anywhere
         return self._stiffness + handles.T @ handles / self._softness + rest
 
-    def _correction(self, free: np.ndarray, held: np.ndarray, surface: PlaneMaps, after: np.ndarray) -> np.ndarray:
+    def _correction(self, free: np.ndarray, held: np.ndarray, points: np.ndarray, after: np.ndarray) -> np.ndarray:
         """How points (v,) in the plane are displaced further by free vertices that unfold triangles."""
+        refine = self._moves[free].T.tocsr()
+        moved = np.diff(refine.indptr) > 0
+        surface = PlaneMaps(points, self._triangles(moved[self._surface.T].any(axis=0)))
         maps = start = surface(after)
         watched = np.zeros(len(maps), dtype=bool)
         turns, multipliers = np.ones(len(maps), dtype=complex), np.zeros_like(maps)
         rigid = self._rigid(held.tobytes())[free][:, free]
         correction = np.zeros((len(free), 2))
-        moves = np.zeros(self._shape[0], dtype=complex)
+        moves = np.zeros(len(after), dtype=complex)
         for stage in range(_STAGES):
             least = least_stretch(maps)
             watched[surface.facing(np.flatnonzero(least < _WATCHED))] = True
@@ -134,15 +131,12 @@ class Unfolding:
             if stage:
                 turns, multipliers = surface.turns(maps), multipliers / _HARDER
             rows = np.flatnonzero(watched)
-            slopes, points = surface.slopes(rows)
-            gradient = (slopes @ self._refine[points][:, free]).tocsr()
+            gradient = (surface.slopes(rows) @ refine).tocsr()
             weights = 2 * _PULL * _HARDER**stage * surface.areas[rows]
             correction, multipliers[rows] = _opened(
                 rigid, gradient, weights, start[rows], turns[rows], multipliers[rows], correction
             )
-            everywhere = np.zeros(self._shape[1], dtype=complex)
-            everywhere[free] = in_plane(correction)
-            moves = self._refine @ everywhere
+            moves = refine @ in_plane(correction)
             maps = surface(after + moves)
         return moves
 

@@ -43,8 +43,8 @@ def test_a_triangle_of_no_area_spoils_nothing():
 def test_slopes_give_the_change_of_the_maps():
     maps, displaced = PlaneMaps(CORNERS, TRIANGLES), np.random.default_rng(0).normal(size=(5, 2))
     before, moves = in_plane(CORNERS), in_plane(displaced)
-    slopes, points = maps.slopes(np.array([1, 2]))
-    change = np.stack([slopes @ moves[points], slopes @ moves[points].conj()], axis=1)
+    slopes = maps.slopes(np.array([1, 2]))
+    change = np.stack([slopes @ moves, slopes @ moves.conj()], axis=1)
     np.testing.assert_allclose(change, (maps(before + moves) - maps(before))[1:])
 
 

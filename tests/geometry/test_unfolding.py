@@ -23,7 +23,7 @@ HELD = np.flatnonzero(MIDDLE | BORDER)
 @pytest.fixture(scope="module")
 def unfolding():
     handles = sparse.identity(SIDE**2, format="csr")[HELD]
-    return Unfolding(SHEET, FACES, sparse.identity(SIDE**2, format="csr"), FACES, FACES, handles, 1e-3)
+    return Unfolding(SHEET, FACES, sparse.identity(SIDE**2, format="csr"), FACES, handles, 1e-3)
 
 
 def pushed(far):
