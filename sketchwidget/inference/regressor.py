@@ -13,6 +13,7 @@ import torch
 from ..face import Face, FaceModel
 from ..face.drawing import along_outline
 from ..face.drawing import outline as drawn_outline
+from ..face.wrinkles import LIPS
 from ..geometry.view import CANVAS_MM, View
 from ..sketch import FEATURES, SILHOUETTE, UNNAMED, Sketch
 from ..threads import one_thread
@@ -140,7 +141,7 @@ class FaceRegressor:
             silhouette = drawn_outline(View().project(curves[SILHOUETTE]))
             view = place(silhouette, seen.outline.points)
             if UNNAMED in names:
-                lines = {name: view.project(curves[name]) for name in FEATURES}
+                lines = {name: view.project(curves[name]) for name in (*FEATURES, *LIPS)}
                 guessed = name_strokes(strokes, seen.outline, lines, seen.places)
                 names = tuple(new if old == UNNAMED else old for old, new in zip(names, guessed, strict=True))
             named = time.perf_counter()
