@@ -15,6 +15,7 @@ import numpy as np
 from ..face.face import Face
 from ..face.model import FaceModel
 from ..face.texture import Texture
+from ..files.whole import whole
 from ..geometry.view import CANVAS_MM, View
 from .camera import Camera
 from .eyes import Eyeball, gaze_names
@@ -156,7 +157,9 @@ class Avatar:
         path = Path(path)
         if path.suffix.lower() != ".glb":
             raise ValueError(f"an avatar is exported as .glb; given {path.name!r}. For the shape alone: avatar.face")
-        path.write_bytes(self.to_glb())
+        data = self.to_glb()
+        with whole(path) as unfinished:
+            unfinished.write_bytes(data)
 
     @property
     def _meshes(self) -> list[MorphMesh]:

@@ -81,10 +81,10 @@ class PortraitNetwork(nn.Module):
         """Write the network in half precision to a safetensors file; its header has the face model that it is for."""
         header = {"format": FORMAT, "sizes": json.dumps(self.sizes), "channels": json.dumps(self.channels)}
         state = {name: value.contiguous() for name, value in self.state_dict().items()}
-        with writing(Path(path)):
+        with writing(path) as unfinished:
             save_file(
                 {name: value.half() if value.is_floating_point() else value for name, value in state.items()},
-                path,
+                unfinished,
                 header | {"model": model.fingerprint} | provenance,
             )
 

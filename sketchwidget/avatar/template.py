@@ -87,8 +87,9 @@ class AvatarTemplate:
             "albedo_basis": self.albedo_basis.astype(np.float16),
             "scalp": self.scalp.astype(np.float32),
         }
-        with writing(Path(path)):
-            save_file(tensors, path, {"format": FORMAT, "actions": json.dumps(list(self.actions)), **provenance})
+        header = {"format": FORMAT, "actions": json.dumps(list(self.actions)), **provenance}
+        with writing(path) as unfinished:
+            save_file(tensors, unfinished, header)
 
     def check(self, model: FaceModel) -> None:
         """Raise a ValueError unless the template is for heads of this model."""

@@ -147,9 +147,7 @@ def build(
                     " built stays, and the same command goes on"
                 ) from error
     if not _is_sound(out / MODEL):
-        unfinished = out / f"{MODEL}.part"
-        decomposed(store, source.template).save(unfinished, provenance or {})
-        unfinished.rename(out / MODEL)
+        decomposed(store, source.template).save(out / MODEL, provenance or {})
     return store
 
 

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import trimesh
 
+from ..files.whole import whole
 from ..geometry.picture import picture
 from ..geometry.view import CANVAS_MM, View
 from ..sketch import Sketch
@@ -149,5 +150,6 @@ class Face:
 
     def export(self, path: str | os.PathLike[str]) -> None:
         """Write the head to a file whose suffix tells the format; see `to_bytes`."""
-        path = Path(path)
-        path.write_bytes(self.to_bytes(path.suffix.lower().removeprefix(".")))
+        data = self.to_bytes(Path(path).suffix.lower().removeprefix("."))
+        with whole(path) as unfinished:
+            unfinished.write_bytes(data)

@@ -210,8 +210,8 @@ class FaceModel:
         header = {"format": FORMAT, "expressions": json.dumps(self.expressions), **provenance}
         if not template.refined:
             header["refined"] = "false"  # a header without the word is of a mesh that is refined
-        with writing(Path(path)):
-            save_file({name: np.ascontiguousarray(tensor) for name, tensor in tensors.items()}, path, header)
+        with writing(path) as unfinished:
+            save_file({name: np.ascontiguousarray(tensor) for name, tensor in tensors.items()}, unfinished, header)
 
     @classmethod
     def load(cls, path: str | os.PathLike[str] | None = None) -> FaceModel:

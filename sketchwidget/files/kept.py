@@ -8,12 +8,13 @@ from zipfile import BadZipFile
 
 import numpy as np
 
+from .whole import whole
+
 
 def keep(path: Path, arrays: Mapping[str, np.ndarray]) -> None:
     """Write arrays by name; a file that is there is whole."""
-    unfinished = path.with_suffix(".part.npz")
-    np.savez(unfinished, allow_pickle=False, **arrays)
-    unfinished.replace(path)
+    with whole(path) as unfinished, open(unfinished, "wb") as file:
+        np.savez(file, allow_pickle=False, **arrays)
 
 
 def kept(path: Path, names: Iterable[str]) -> dict[str, np.ndarray]:

@@ -11,6 +11,8 @@ from itertools import chain
 from pathlib import Path
 from typing import IO, Any, ClassVar, Generic, Protocol, TypeVar
 
+from .whole import whole
+
 MAX_BYTES = 512 * 2**20  # of a file
 MAX_LINE = 8 * 2**20  # bytes of a record
 
@@ -76,19 +78,10 @@ class RecordFile(Generic[R]):
         OSError
             If it cannot be written.
         """
-        path = Path(path)
-        unfinished = path.with_name(f".{path.name}.{os.getpid()}.part")
-        try:
-            with open(unfinished, "wb") as file:
-                for line in chain([self._header], map(_line, records)):
-                    file.write(line)
-                    _require_room(path, file.tell())
-                file.flush()
-                os.fsync(file.fileno())
-            os.replace(unfinished, path)
-        except BaseException:
-            unfinished.unlink(missing_ok=True)
-            raise
+        with whole(path) as unfinished, open(unfinished, "wb") as file:
+            for line in chain([self._header], map(_line, records)):
+                file.write(line)
+                _require_room(path, file.tell())
 
     def append(self, path: str | os.PathLike[str], record: R) -> None:
         """Add a record to a file, a new one if there is none; it is on the disk when this returns.

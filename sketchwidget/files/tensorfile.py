@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
 from safetensors import SafetensorError, safe_open
+
+from .whole import whole
 
 MAX_BYTES = 256 * 2**20
 
@@ -47,10 +50,11 @@ def read(path: Path, kind: str, wanted: str, framework: str = "numpy") -> tuple[
 
 
 @contextmanager
-def writing(path: Path) -> Iterator[None]:
-    """Turn what safetensors raises when a file cannot be written, as on a full disk, into an OSError that names it."""
-    try:
-        yield
-    except SafetensorError as error:
-        raise OSError(f"{path} cannot be written: {error}") from error
-    path.chmod(0o644)  # safetensors lets nobody else read what it writes
+def writing(path: str | os.PathLike[str]) -> Iterator[Path]:
+    """As `whole`, for safetensors: what it raises, as on a full disk, becomes an OSError that names the file."""
+    with whole(path) as unfinished:
+        try:
+            yield unfinished
+        except SafetensorError as error:
+            raise OSError(f"{os.fspath(path)} cannot be written: {error}") from error
+        unfinished.chmod(0o644)  # safetensors lets nobody else read what it writes

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import os
-from pathlib import Path
+
+from .whole import whole
 
 MAX_BYTES = 64 * 2**20
 
@@ -54,11 +55,5 @@ def write(path: str | os.PathLike[str], text: str) -> None:
         raise ValueError(
             f"{path}: {len(content):,} bytes are more than the {MAX_BYTES // 2**20} MB that can be read back"
         )
-    path = Path(path)
-    unfinished = path.with_name(f".{path.name}.{os.getpid()}.part")
-    try:
+    with whole(path) as unfinished:
         unfinished.write_bytes(content)
-        os.replace(unfinished, path)
-    except BaseException:
-        unfinished.unlink(missing_ok=True)
-        raise

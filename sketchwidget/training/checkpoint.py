@@ -8,6 +8,7 @@ from typing import Any, Protocol
 import torch
 
 from ..files import torchfile
+from ..files.whole import whole
 
 
 class Part(Protocol):
@@ -84,9 +85,8 @@ class Checkpoints:
         state = {name: part.state_dict() for name, part in self._parts.items()}
         state |= {"step": step, "seconds": seconds, "plan": steps, "falling": step > level, "about": self._about}
         for name in ("last", "level") if step <= level else ("last",):
-            unfinished = self._path(name).with_suffix(".part")
-            torch.save(state, unfinished)
-            unfinished.replace(self._path(name))
+            with whole(self._path(name)) as unfinished:
+                torch.save(state, unfinished)
 
     def _path(self, name: str) -> Path:
         return self._folder / f"{name}.pt"

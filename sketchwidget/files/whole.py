@@ -1,0 +1,39 @@
+"""Writing a file whole or not at all."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+
+@contextmanager
+def whole(path: str | os.PathLike[str]) -> Iterator[Path]:
+    """A path to write what is to become a file: a crash or a full disk leaves a former one as it was.
+
+    It is beside the file, so that one step puts it in the file's place once the block ends, on the disk by then. If the
+    block raises, it goes.
+
+    Raises
+    ------
+    OSError
+        If the file cannot be written.
+
+    Examples
+    --------
+    >>> with whole("notes.txt") as unfinished:
+    ...     unfinished.write_text("all of it")
+    """
+    path = Path(path)
+    unfinished = path.with_name(f".{path.name}.{os.getpid()}.part")
+    try:
+        yield unfinished
+        with open(unfinished, "rb+") as file:
+            os.fsync(file.fileno())
+        os.replace(unfinished, path)
+    except BaseException as error:
+        unfinished.unlink(missing_ok=True)
+        if isinstance(error, OSError) and error.filename == os.fspath(unfinished):
+            error.filename = os.fspath(path)  # the only name that a reader of the message knows
+        raise
