@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import os
-from importlib.resources import files
 from itertools import pairwise
 from pathlib import Path
 
@@ -15,6 +14,7 @@ from safetensors.torch import save_file
 from torch import Tensor, nn
 
 from ..face.model import FaceModel
+from ..files.shipped import shipped
 from ..files.tensorfile import read, writing
 from .coarse import USUAL_LIGHT, CoarseFit, CoarseFitter
 
@@ -99,7 +99,7 @@ class PortraitNetwork(nn.Module):
         ValueError
             If it is none, is damaged, or is for another face model.
         """
-        path = Path(str(files("sketchwidget") / "data" / "portrait.safetensors") if path is None else path)
+        path = shipped("portrait.safetensors") if path is None else Path(path)
         header, tensors = read(path, "portrait network", FORMAT, "pt")
         if header.get("model") != model.fingerprint:
             raise ValueError(

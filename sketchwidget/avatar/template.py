@@ -6,13 +6,13 @@ import json
 import os
 from dataclasses import dataclass
 from functools import cached_property
-from importlib.resources import files
 from pathlib import Path
 
 import numpy as np
 from safetensors.numpy import save_file
 
 from ..face.model import FaceModel
+from ..files.shipped import shipped
 from ..files.tensorfile import read, writing
 
 FORMAT = "sketchwidget avatar template 1"
@@ -59,8 +59,7 @@ class AvatarTemplate:
         ValueError
             If it is none, or damaged.
         """
-        shipped = files("sketchwidget") / "data" / "avatar.safetensors"
-        path = Path(str(shipped)) if path is None else Path(path)
+        path = shipped("avatar.safetensors") if path is None else Path(path)
         header, tensors = read(path, "avatar template", FORMAT)
         try:
             names = json.loads(header["actions"])

@@ -6,7 +6,6 @@ import hashlib
 import json
 import os
 from functools import cached_property
-from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +13,7 @@ import numpy as np
 from safetensors.numpy import save_file
 from scipy.sparse.linalg import SuperLU, splu
 
+from ..files.shipped import shipped
 from ..files.tensorfile import read, writing
 from ..sketch import FEATURES, SILHOUETTE
 from .appearance import vertex_colors
@@ -224,11 +224,7 @@ class FaceModel:
         ValueError
             If it is no face model, is damaged, or is larger than 256 MB.
         """
-        path = (
-            Path(os.fspath(path))
-            if path is not None
-            else Path(str(files("sketchwidget") / "data" / "face.safetensors"))
-        )
+        path = shipped("face.safetensors") if path is None else Path(path)
         header, tensors = read(path, "face model", FORMAT)
         try:
             return cls._from_tensors(tensors, json.loads(header["expressions"]), header.get("refined") != "false")

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-from importlib.resources import files
 from pathlib import Path
 from typing import Any, Self
 
@@ -11,6 +10,7 @@ import numpy as np
 import torch
 from safetensors.torch import save_file
 
+from ..files.shipped import shipped
 from ..files.tensorfile import read, writing
 from ..sketch.stroke import as_points
 from ..threads import one_thread
@@ -106,7 +106,7 @@ class GestureClassifier:
         ValueError
             If it is no classifier of gestures, is damaged, or is larger than 256 MB.
         """
-        path = Path(str(files("sketchwidget") / "data" / "gestures.safetensors") if path is None else os.fspath(path))
+        path = shipped("gestures.safetensors") if path is None else Path(path)
         header, tensors = read(path, "gesture classifier", FORMAT, "pt")
         network = GestureCNN()
         try:

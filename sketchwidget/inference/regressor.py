@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import time
 from dataclasses import dataclass, field
-from importlib.resources import files
 from pathlib import Path
 
 import numpy as np
@@ -14,6 +13,7 @@ from ..face import Face, FaceModel
 from ..face.drawing import along_outline
 from ..face.drawing import outline as drawn_outline
 from ..face.wrinkles import LIPS
+from ..files.shipped import shipped
 from ..geometry.view import CANVAS_MM, View
 from ..sketch import FEATURES, SILHOUETTE, UNNAMED, Sketch
 from ..threads import one_thread
@@ -290,7 +290,7 @@ class FaceRegressor:
             If the file is no network, is damaged, larger than 256 MB, or was trained for another face model.
         """
         name = name or NETWORKS[0]
-        path = Path(str(files("sketchwidget") / "data" / _SHIPPED)) if name in NETWORKS else Path(name)
+        path = shipped(_SHIPPED) if name in NETWORKS else Path(name)
         if not path.is_file():
             raise FileNotFoundError(f"no network {name!r}: it is one of {', '.join(NETWORKS)}, or the path of a file")
         model = model or FaceModel.load()

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from importlib.resources import files
 
 from ipywidgets import Box, Button, Label
 
+from ..files.shipped import shipped
 from ..session import Erase, Gesture, Mode, Session
 from .commands import COMMANDS
 from .status import missing
@@ -41,7 +41,7 @@ class Welcome(Box):
 
 def example(name: str) -> str:
     """The session's text of an example by its name."""
-    return (files("sketchwidget") / "data" / "examples" / f"{name}.jsonl").read_text(encoding="utf-8")
+    return shipped(f"examples/{name}.jsonl").read_text(encoding="utf-8")
 
 
 def beyond(session: Session) -> str:

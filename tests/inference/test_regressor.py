@@ -1,7 +1,6 @@
 """From drawings to heads with the shipped network."""
 
 from dataclasses import replace
-from importlib.resources import files
 from pathlib import Path
 
 import numpy as np
@@ -14,6 +13,7 @@ from safetensors.torch import save_file
 from scipy.spatial import KDTree
 
 from sketchwidget import FaceModel, FaceRegressor, Sketch
+from sketchwidget.files.shipped import shipped
 from sketchwidget.inference.network import TINY, PixelShapeCNN
 from sketchwidget.inference.network_file import save_network
 from sketchwidget.inference.normalise import normalise
@@ -312,7 +312,7 @@ def test_files_that_are_no_network_say_so(tmp_path):
     with pytest.raises(ValueError, match="no safetensors file"):
         FaceRegressor.load(str(tmp_path / "text"))
     with pytest.raises(ValueError, match="is no network"):
-        FaceRegressor.load(str(files("sketchwidget") / "data" / "face.safetensors"))
+        FaceRegressor.load(shipped("face.safetensors"))
     kept(tmp_path / "network", FaceModel.load())
     with pytest.raises(ValueError, match="is no face model"):
         FaceModel.load(tmp_path / "network")
@@ -343,4 +343,4 @@ def test_a_network_whose_layout_is_none_is_damaged(tmp_path, layout):
 
 
 def test_shipped_network_is_small():
-    assert (files("sketchwidget") / "data" / "pixelshapecnn.safetensors").stat().st_size < 14e6
+    assert shipped("pixelshapecnn.safetensors").stat().st_size < 14e6
