@@ -16,8 +16,8 @@ from ..face.face import Face
 from ..face.model import FaceModel
 from ..face.texture import Texture
 from ..files.whole import whole
+from ..geometry.camera import Camera
 from ..geometry.view import CANVAS_MM, View
-from .camera import Camera
 from .eyes import Eyeball, gaze_names
 from .gltf import MorphMesh, WeightTrack, write_glb
 from .neck import neck_cap

@@ -15,6 +15,7 @@ import numpy as np
 
 from ..face.face import Face
 from ..face.model import FaceModel
+from ..geometry.camera import Camera
 from ..portrait.doubts import HIDDEN_EYES, eyes_hidden, is_face
 from ..portrait.landmarks import EYES, FaceDetector, FaceLandmarks
 from ..portrait.mask import PersonMask, face_oval
@@ -23,7 +24,6 @@ from ..portrait.models import HOW_TO_GET, missing
 from ..portrait.picture import load_picture
 from ..threads import one_thread
 from .avatar import Avatar
-from .camera import Camera
 from .coarse import CoarseFitter
 from .eyes import Eyeball, fit_eyeballs
 from .fine import FineFitter
@@ -191,7 +191,7 @@ def _built(
         landmarks = back(landmarks)
     origin, unit = larger * from_square(np.array([[0.0, 0.0], [1.0, 0.0]]))
     scale = float(unit[0] - origin[0])
-    camera = Camera(fit.camera.rotation, fit.camera.scale * scale, fit.camera.translation * scale + origin)
+    camera = Camera(fit.camera.scale * scale, fit.camera.rotation, fit.camera.translation * scale + origin)
     return Avatar(
         face=Face(tools.model, resting),
         portrait=Face(tools.model, shown),

@@ -11,9 +11,9 @@ from scipy.spatial.transform import Rotation
 
 from ..face.model import FaceModel
 from ..face.template import PARTS
+from ..geometry.camera import Camera
 from ..geometry.visibility import visible
 from ..portrait.landmarks import slid
-from .camera import Camera
 from .shading import shade, vertex_normals
 from .template import AvatarTemplate
 
@@ -222,14 +222,14 @@ class CoarseFitter:
     def mean_face(self, landmarks: np.ndarray) -> CoarseFit:
         """The mean face with the camera that brings it nearest to landmarks (68, 2): where a fit begins."""
         rest = self._model.mean[self._model.landmarks].astype(np.float64)
-        camera = Camera.of(rest, landmarks, landmark_weights())
+        camera = Camera.from_affine(rest, landmarks, landmark_weights())
         u, v = (centre.numpy() for centre in self._centres)
         return CoarseFit(u, v, np.zeros(len(self._albedo_basis)), np.array(USUAL_LIGHT), camera, self.coarse(u, v))
 
     def _aligned(self, fit: CoarseFit, landmarks: np.ndarray) -> CoarseFit:
         """A fit with the camera that brings its head nearest to landmarks (68, 2)."""
         points = (self._model.template.subdivision @ fit.vertices)[self._model.landmarks]
-        return replace(fit, camera=Camera.of(points, landmarks, landmark_weights(fit.camera)))
+        return replace(fit, camera=Camera.from_affine(points, landmarks, landmark_weights(fit.camera)))
 
     def points(self, unknowns: dict[str, torch.Tensor]) -> torch.Tensor:
         """The skin's vertices, then the landmarks, of heads in their own frame: ([b,] n + 68, 3) millimetres."""
@@ -290,7 +290,7 @@ class CoarseFitter:
     def _camera(self, unknowns: dict[str, torch.Tensor]) -> Camera:
         rotation = rotation_of(unknowns["turn"]).detach().numpy().astype(np.float64)
         scale = float(unknowns["scale"].detach().exp())
-        return Camera(rotation, scale, 10 * scale * unknowns["shift"].detach().numpy().astype(np.float64))
+        return Camera(scale, rotation, 10 * scale * unknowns["shift"].detach().numpy().astype(np.float64))
 
     def result(self, unknowns: dict[str, torch.Tensor]) -> CoarseFit:
         """What unknowns (see `loss`) stand for."""

@@ -15,8 +15,8 @@ import numpy as np
 from scipy.optimize import lsq_linear
 
 from ..face.model import FaceModel
+from ..geometry.camera import Camera
 from ..portrait.landmarks import FaceDetector
-from .camera import Camera
 from .coarse import landmark_weights
 from .performance import FPS, Performance
 
@@ -65,7 +65,7 @@ class LandmarkSolver:
         self._weights = landmark_weights()
         self._offset = np.zeros((68, 3))
         if neutral is not None:
-            camera = Camera.of(self._rest, neutral, self._weights)
+            camera = Camera.from_affine(self._rest, neutral, self._weights)
             self._offset = camera.lift(neutral - camera.project(self._rest))
 
     def __call__(self, points: np.ndarray) -> dict[str, float]:
@@ -74,7 +74,7 @@ class LandmarkSolver:
         rest = self._rest + self._offset
         root = np.sqrt(self._weights)[:, None]
         for _ in range(_ROUNDS):
-            camera = Camera.of(rest + np.tensordot(beta, self._basis, axes=1), points, self._weights)
+            camera = Camera.from_affine(rest + np.tensordot(beta, self._basis, axes=1), points, self._weights)
             wanted = (points - camera.project(rest)) / camera.scale * root
             rows = (self._basis @ camera.rotation[:2].T) * (1, -1) * root
             system = np.concatenate([rows.reshape(len(beta), -1).T, _SMALL * np.eye(len(beta))])

@@ -5,8 +5,8 @@ from __future__ import annotations
 import cv2
 import numpy as np
 
+from ..geometry.camera import Camera
 from ..portrait.landmarks import EYES, FaceLandmarks
-from .camera import Camera
 from .eyes import Eyeball
 
 _WHITE = np.array([238.0, 234.0, 230.0])

@@ -11,9 +11,9 @@ from scipy.spatial import KDTree
 
 from ..face.model import FaceModel
 from ..face.template import PARTS
+from ..geometry.camera import Camera
 from ..geometry.rasterise import rasterise
 from ..portrait.landmarks import FaceLandmarks
-from .camera import Camera
 from .coarse import CoarseFit
 from .eyes import Eyeball
 from .iris import iris_colour, iris_radius, paint

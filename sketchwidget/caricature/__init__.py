@@ -10,7 +10,7 @@ Examples
 >>> more = sw.caricature.exaggerate(fit.face, 1.5)
 """
 
-from .camera import Camera
+from ..geometry.camera import Camera
 from .exaggeration import exaggerate
 from .fitting import CaricatureFit, Step, fit
 

@@ -11,7 +11,7 @@ import numpy as np
 
 from ..face.face import Face
 from ..face.model import FaceModel
-from .camera import Camera
+from ..geometry.camera import Camera
 from .head import DeformableHead
 from .jaw import JAW, JawMatch
 from .landmarks import FEWEST, as_landmarks, as_weights, check_orientation, check_spread

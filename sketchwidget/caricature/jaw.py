@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..face.template import PARTS, Template
-from .camera import Camera
+from ..geometry.camera import Camera
 
 JAW = 17  # landmarks, from the subject's right ear round the chin to the left one
 

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from .camera import Camera
+from ..geometry.camera import Camera
 
 COUNT = 68
 FEWEST = 8  # that count: a camera has six numbers, and a face is more than a camera

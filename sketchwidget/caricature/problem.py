@@ -7,9 +7,9 @@ from scipy import sparse
 from scipy.optimize import least_squares
 from scipy.spatial.transform import Rotation
 
+from ..geometry.camera import DOWN, Camera
 from ..geometry.deformation_space import DeformationSpace
 from ..geometry.levenberg_marquardt import levenberg_marquardt
-from .camera import DOWN, Camera
 
 
 class Problem:

@@ -9,10 +9,10 @@ import numpy as np
 import torch
 from scipy.spatial.transform import Rotation
 
-from ..avatar.camera import Camera
 from ..avatar.shading import shade, vertex_normals
 from ..avatar.template import AvatarTemplate
 from ..face.model import FaceModel
+from ..geometry.camera import Camera
 from ..geometry.rasterise import rasterise
 
 _TURN = (14.0, 8.0, 5.0)  # standard deviations of yaw, pitch and roll, degrees
@@ -73,7 +73,7 @@ def render_portrait(
     angles = np.clip(random.normal(0, _TURN), -_MOST, _MOST)
     scale = side / random.uniform(300, 380)
     shift = side * (0.5 + random.normal(0, 0.02, 2))
-    camera = Camera(Rotation.from_euler("yxz", angles, degrees=True).as_matrix(), scale, shift)
+    camera = Camera(scale, Rotation.from_euler("yxz", angles, degrees=True).as_matrix(), shift)
 
     texture = random.normal(size=len(template.albedo_basis)) * 0.7
     light = np.array([3.1, 0.4, 0.5, 0, 0, 0, 0, 0, 0]) + random.normal(0, 0.18, 9)

@@ -2,8 +2,8 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from sketchwidget.avatar.camera import Camera
 from sketchwidget.avatar.template import AvatarTemplate
+from sketchwidget.geometry.camera import Camera
 from sketchwidget.geometry.view import View
 from sketchwidget.portrait import models
 
@@ -25,7 +25,7 @@ def template():
 def camera():
     """A camera that sees a head a little from the side, in a picture of 512 pixels."""
     turn = Rotation.from_euler("yxz", [8, -4, 3], degrees=True).as_matrix()
-    return Camera(turn, 1.7, np.array([256.0, 250.0]))
+    return Camera(1.7, turn, np.array([256.0, 250.0]))
 
 
 @pytest.fixture(scope="session")

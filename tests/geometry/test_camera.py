@@ -4,8 +4,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
-from sketchwidget.caricature import Camera
+from sketchwidget.geometry.camera import Camera
 
+SIDEWAYS = Camera(1.7, Rotation.from_euler("yxz", [8, -4, 3], degrees=True).as_matrix(), np.array([256.0, 250.0]))
 POINTS = np.random.default_rng(0).normal(size=(30, 3)) * [60, 80, 40]
 
 
@@ -27,11 +28,19 @@ def test_the_camera_of_a_picture_is_found(yaw, pitch, roll, scale):
     np.testing.assert_allclose(found.project(POINTS), camera.project(POINTS), atol=1e-4 * scale)
 
 
-def test_a_point_of_no_weight_takes_no_part():
+def test_the_camera_of_a_picture_is_found_in_one_step():
+    found = Camera.from_affine(POINTS, SIDEWAYS.project(POINTS), np.ones(30))
+    assert found.scale == pytest.approx(SIDEWAYS.scale)
+    np.testing.assert_allclose(found.rotation, SIDEWAYS.rotation, atol=1e-9)
+    np.testing.assert_allclose(found.translation, SIDEWAYS.translation)
+
+
+@pytest.mark.parametrize("way", [Camera.fitted, Camera.from_affine])
+def test_a_point_of_no_weight_takes_no_part(way):
     camera = Camera(2.0, np.eye(3), np.array([10.0, 20.0]))
     pixels, weights = camera.project(POINTS), np.ones(30)
     pixels[3], weights[3] = [1e4, -1e4], 0
-    found = Camera.fitted(POINTS, pixels, weights)
+    found = way(POINTS, pixels, weights)
     np.testing.assert_allclose(found.rotation, np.eye(3), atol=1e-6)
 
 
@@ -45,3 +54,15 @@ def test_no_camera_near_by_is_better():
     for scale in (0.999, 1.001):
         other = Camera(found.scale * scale, found.rotation, found.translation).centred(POINTS, noisy, np.ones(30))
         assert ((other.project(POINTS) - noisy) ** 2).sum() > least
+
+
+def test_lifted_shifts_move_the_picture_and_keep_the_depth():
+    shift = np.random.default_rng(4).normal(size=(30, 2)) * 8
+    moved = POINTS + SIDEWAYS.lift(shift)
+    np.testing.assert_allclose(SIDEWAYS.project(moved) - SIDEWAYS.project(POINTS), shift)
+    np.testing.assert_allclose(SIDEWAYS.depth(moved), SIDEWAYS.depth(POINTS))
+
+
+def test_a_head_turned_to_the_pictures_right_has_a_positive_yaw():
+    assert SIDEWAYS.yaw == pytest.approx(8, abs=0.5)
+    assert SIDEWAYS.project(np.array([0.0, 0, 100]))[0] > SIDEWAYS.translation[0]
