@@ -8,10 +8,10 @@ from functools import cached_property
 
 import numpy as np
 from scipy import sparse
-from scipy.sparse.csgraph import dijkstra
 
 from ..face.model import FaceModel
 from ..geometry.deformation_transfer import DeformationTransfer, deformation_gradients
+from ..geometry.edges import edge_distance
 from .eyes import SIDES, Eyeball, set_back
 from .template import AvatarTemplate
 
@@ -92,7 +92,7 @@ class RigBuilder:
         return set_back(eye, back + _CLEARANCE_MM)
 
     def _find_lids(self, side: str) -> _Lids:
-        curves, mean, faces = self._model.curves, self._model.mean, self._model.faces
+        curves, mean = self._model.curves, self._model.mean
         upper, lower = curves[f"{side}_eye_upper"][1:-1], curves[f"{side}_eye_lower"]
         rows = np.arange(len(upper))
         first, second, share = _between(_along(mean[lower]), _along(mean[curves[f"{side}_eye_upper"]])[1:-1])
@@ -103,10 +103,7 @@ class RigBuilder:
             ),
             shape=(len(upper), len(mean)),
         )
-        edges = np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]])
-        length = np.linalg.norm(mean[edges[:, 0]] - mean[edges[:, 1]], axis=1)
-        graph = sparse.csr_matrix((length, tuple(edges.T)), shape=(len(mean),) * 2).maximum(0)
-        away = [dijkstra(graph, directed=False, indices=line, limit=_LID_MM, min_only=True) for line in (upper, lower)]
+        away = [edge_distance(mean, self._model.faces, line, _LID_MM) for line in (upper, lower)]
         nearest = np.minimum(*away)
         vertices = np.flatnonzero(nearest < _LID_MM)
         fade = (1 - (nearest[vertices] / _LID_MM) ** 2) ** 2

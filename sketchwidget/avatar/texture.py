@@ -12,6 +12,7 @@ from scipy.spatial import KDTree
 from ..face.model import FaceModel
 from ..face.template import PARTS
 from ..geometry.camera import Camera
+from ..geometry.edges import edges
 from ..geometry.rasterise import rasterise
 from ..portrait.landmarks import FaceLandmarks
 from .coarse import CoarseFit
@@ -99,10 +100,10 @@ class TextureBaker:
         self._ears &= np.abs(model.mean[:, 0]) > np.abs(ears[:, 0]).min() - 8
         self._scalp = np.clip(refine @ template.scalp, 0, 1)
         soft = parts <= PARTS.index("mouth")
-        edges = np.concatenate([model.faces[:, [0, 1]], model.faces[:, [1, 2]], model.faces[:, [2, 0]]])
-        edges = edges[soft[edges].all(axis=1)]
-        graph = sparse.csr_matrix((np.ones(len(edges)), tuple(edges.T)), shape=(len(parts),) * 2)
-        self._neighbours = ((graph + graph.T) > 0).astype(np.float64)
+        between = edges(model.faces)
+        between = between[soft[between].all(axis=1)]
+        graph = sparse.csr_matrix((np.ones(len(between)), between.T), shape=(len(parts),) * 2)
+        self._neighbours = graph + graph.T
 
     def __call__(
         self,

@@ -10,10 +10,11 @@ from dataclasses import dataclass
 import numpy as np
 from scipy import sparse
 from scipy.ndimage import gaussian_filter1d
-from scipy.sparse.csgraph import connected_components, dijkstra
+from scipy.sparse.csgraph import connected_components
 from scipy.spatial import KDTree
 
 from ..face.template import PARTS, Template
+from ..geometry.edges import edge_distance, edge_graph
 from ..geometry.intersection import intersecting
 from ..geometry.visibility import covering
 
@@ -59,12 +60,10 @@ class Contact:
     def __init__(self, template: Template, rest: np.ndarray) -> None:
         self._template = template
         fine = template.subdivision @ rest
-        graph = _graph(fine, template.faces)
 
         def along_surface(*names: str) -> np.ndarray:
             starts = np.concatenate([template.curves[name] for name in names])
-            distance = dijkstra(graph, directed=False, indices=starts, min_only=True, limit=_FAR)
-            return np.minimum(distance, _FAR)
+            return np.minimum(edge_distance(fine, template.faces, starts, _FAR), _FAR)
 
         self._lips = self._find_lips(along_surface("mouth_upper"), along_surface("mouth_lower"))
         has_eyes = (template.parts == PARTS.index("eyes")).any()
@@ -106,7 +105,7 @@ class Contact:
         skin = template.fine_parts == PARTS.index("skin")
         skin[margin] = False
         edges = template.faces[skin[template.faces].all(axis=1)]
-        label = connected_components(_graph(fine, edges), directed=False)[1]
+        label = connected_components(edge_graph(fine, edges), directed=False)[1]
         outside = skin & (label == np.bincount(label[skin]).argmax())
         outside[margin] = True
         lid = outside & (from_margin < _LID_MM)
@@ -204,10 +203,3 @@ def _fade(distance: np.ndarray, reach: float) -> np.ndarray:
     """1 up to distance 0, smoothly 0 from `reach` on."""
     t = np.clip(distance / reach, 0.0, 1.0)
     return 1 - t**2 * (3 - 2 * t)
-
-
-def _graph(vertices: np.ndarray, faces: np.ndarray) -> sparse.csr_matrix:
-    """Lengths of the edges, (V, V)."""
-    edges = np.unique(np.sort(np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]]), axis=1), axis=0)
-    length = np.maximum(np.linalg.norm(vertices[edges[:, 0]] - vertices[edges[:, 1]], axis=1), 1e-9)
-    return sparse.csr_matrix((length, tuple(edges.T)), shape=(len(vertices),) * 2)

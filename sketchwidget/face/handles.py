@@ -11,6 +11,7 @@ from scipy import sparse
 from scipy.sparse.csgraph import dijkstra
 from scipy.spatial import KDTree
 
+from ..geometry.edges import edges
 from ..geometry.handle_deformation import HandleDeformation
 from ..geometry.unfolding import Unfolding
 from ..sketch import FEATURES, SILHOUETTE
@@ -156,12 +157,11 @@ def profile_curve(template: Template, rest: np.ndarray) -> np.ndarray:
     it leaps from lip to lip.
     """
     skin = template.fine_parts == PARTS.index("skin")
-    corners = template.faces
-    edges = np.unique(np.sort(corners[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1), axis=0)
-    edges = edges[skin[edges].all(axis=1)]
-    length = np.linalg.norm(rest[edges[:, 0]] - rest[edges[:, 1]], axis=1)
-    off = np.abs(rest[edges, 0]).max(axis=1) / _OFF_MIDDLE
-    graph = sparse.csr_matrix((length * (1 + off**2), edges.T), shape=(len(rest), len(rest)))
+    between = edges(template.faces)
+    between = between[skin[between].all(axis=1)]
+    length = np.linalg.norm(rest[between[:, 0]] - rest[between[:, 1]], axis=1)
+    off = np.abs(rest[between, 0]).max(axis=1) / _OFF_MIDDLE
+    graph = sparse.csr_matrix((length * (1 + off**2), between.T), shape=(len(rest), len(rest)))
     silhouette = template.curves[SILHOUETTE]
     top = silhouette[np.argmax(rest[silhouette, 1])]
     upper, lower = (top, *template.landmarks[list(_UPPER)]), tuple(template.landmarks[list(_LOWER)])

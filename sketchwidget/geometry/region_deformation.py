@@ -7,8 +7,9 @@ from functools import cached_property
 import igl
 import numpy as np
 from scipy import sparse
-from scipy.sparse.csgraph import dijkstra
 from scipy.sparse.linalg import splu
+
+from .edges import edge_distance
 
 
 class RegionDeformation:
@@ -71,7 +72,7 @@ class RegionDeformation:
     @cached_property
     def _depth(self) -> np.ndarray:
         """How far (n,) it is to the border, along the edges."""
-        return _distance(self._vertices, self._faces, np.flatnonzero(~self._region))
+        return edge_distance(self._vertices, self._faces, np.flatnonzero(~self._region))
 
     def fading(self, width: float, border: np.ndarray | None = None) -> np.ndarray:
         """Shares (h,) by which handles move, so that those at the border make no step: smoothly from 0 there to 1.
@@ -83,24 +84,14 @@ class RegionDeformation:
         border : (b,) int array, optional
             The vertices that the border is made of; by default, all that lie outside.
         """
-        depth = self._depth if border is None else _distance(self._vertices, self._faces, border)
+        depth = self._depth if border is None else edge_distance(self._vertices, self._faces, border)
         at = np.minimum(depth[self.handles] / min(width, depth[self._region].max()), 1.0)
         return at * at * (3.0 - 2.0 * at)
 
 
 def within_reach(vertices: np.ndarray, faces: np.ndarray, sources: np.ndarray, reach: float) -> np.ndarray:
     """Vertices not farther from any of `sources` than `reach`, in millimetres along the edges: (n,) bool."""
-    return np.isfinite(_distance(vertices, faces, sources, reach))
-
-
-def _distance(vertices: np.ndarray, faces: np.ndarray, sources: np.ndarray, limit: float = np.inf) -> np.ndarray:
-    """How far (n,) the nearest of `sources` is along the edges; infinite beyond the limit, and where none is."""
-    edges = np.asarray(igl.edges(np.asarray(faces, dtype=np.int64)))
-    length = np.linalg.norm(vertices[edges[:, 0]] - vertices[edges[:, 1]], axis=1)
-    graph = sparse.csr_matrix((length, edges.T), (len(vertices), len(vertices)))
-    if not len(sources):
-        return np.full(len(vertices), np.inf)
-    return dijkstra(graph, directed=False, indices=np.asarray(sources), min_only=True, limit=limit)
+    return np.isfinite(edge_distance(vertices, faces, sources, reach))
 
 
 def _bilaplacian(vertices: np.ndarray, faces: np.ndarray, region: np.ndarray) -> sparse.csr_matrix:
