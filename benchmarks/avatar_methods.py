@@ -110,8 +110,7 @@ class Methods:
     def head(self, case: Case) -> np.ndarray:
         """The fine head (V, 3), aligned with the picture's landmarks, without its expression."""
         fit = self._coarse.fit(case.image, case.marks.points, case.sure)
-        neutral = self._model.bilinear.expressions[self._model.expressions.index("neutral")]
-        rest = self._coarse.coarse(fit.identity, neutral)
+        rest = self._coarse.coarse(fit.identity, self._model.expression_weights("neutral"))
         return self._refined(self._fine.neutral(self._fine.fit(fit, case.marks), fit.vertices, rest))
 
     def apart(self, one: np.ndarray, other: np.ndarray) -> float:

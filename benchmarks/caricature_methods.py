@@ -143,7 +143,7 @@ class _Bilinear(_Fitting):
 
     def _start(self) -> np.ndarray:
         model = self._model.bilinear
-        self._expression = model.expressions[self._model.expressions.index("neutral")]
+        self._expression = self._model.expression_weights("neutral")
         return model.core @ self._expression @ self._model.mean_identity
 
     def _better(self, project: Callable[[np.ndarray], np.ndarray], target: np.ndarray) -> np.ndarray:

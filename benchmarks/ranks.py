@@ -44,7 +44,7 @@ def main(path: str) -> None:
     seen = random.integers([people * LEVELS, expressions], size=(SAMPLES, 2))
 
     def error(model: Bilinear, mesh: np.ndarray, u: np.ndarray, v: np.ndarray) -> float:
-        difference = model.mean + model.basis @ (model.core @ v @ u) - mesh
+        difference = model.mesh(u, v) - mesh
         return float(np.linalg.norm(skin @ difference.reshape(-1, 3), axis=1).mean())
 
     rows, held = [], {}

@@ -174,7 +174,7 @@ def _built(
     clock.tell(refine @ fit.vertices)
     with clock("fine"):
         posed = tools.fine.fit(fit, marks)
-        rest = tools.coarse.coarse(fit.identity, _neutral(tools.model))
+        rest = tools.coarse.coarse(fit.identity, tools.model.expression_weights("neutral"))
         neutral = tools.fine.neutral(posed, fit.vertices, rest)
     clock.tell(refine @ posed)
     with clock("rig"):
@@ -275,10 +275,6 @@ def person_about(square: np.ndarray, marks: FaceLandmarks) -> np.ndarray:
     if "selfie_segmentation" in missing():
         return face_oval(marks.points, square.shape[:2]).astype(np.float32)
     return _person_mask()(square)
-
-
-def _neutral(model: FaceModel) -> np.ndarray:
-    return model.bilinear.expressions[model.expressions.index("neutral")]
 
 
 def _with_eyes(head: np.ndarray, eyes: list[Eyeball]) -> np.ndarray:

@@ -85,8 +85,7 @@ class CoarseFitter:
         self._mean = _tensor(_applied(rows, bilinear.mean[:, None])[:, 0])
         self._basis = _tensor(_applied(rows, bilinear.basis).T)
         self._core = _tensor(bilinear.core)
-        neutral = bilinear.expressions[model.expressions.index("neutral")]
-        self._centres = (_tensor(model.mean_identity), _tensor(neutral))
+        self._centres = (_tensor(model.mean_identity), _tensor(model.expression_weights("neutral")))
         self._spreads = tuple(_tensor(rows.std(axis=0)) for rows in (bilinear.identities, bilinear.expressions))
         self._albedo = _tensor(template.albedo[self._skin])
         self._albedo_basis = _tensor(template.albedo_basis[:, self._skin])
@@ -190,10 +189,8 @@ class CoarseFitter:
         return self.result(unknowns)
 
     def coarse(self, identity: np.ndarray, expression: np.ndarray) -> np.ndarray:
-        """The coarse mesh (n, 3) of bilinear weights."""
-        bilinear = self._model.bilinear
-        code = bilinear.core @ expression @ identity
-        return (bilinear.mean + bilinear.basis @ code).reshape(-1, 3).astype(np.float64)
+        """The coarse mesh (n, 3) float64 of bilinear weights."""
+        return self._model.coarse(identity, expression).astype(np.float64)
 
     @property
     def skin_size(self) -> int:

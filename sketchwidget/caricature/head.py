@@ -10,7 +10,6 @@ import numpy as np
 from scipy import sparse
 from scipy.linalg import qr
 from scipy.sparse.csgraph import connected_components
-from scipy.sparse.linalg import SuperLU, splu
 from scipy.spatial import KDTree
 
 from ..face.attached import attached_parts
@@ -41,7 +40,7 @@ class DeformableHead:
     def __init__(self, model: FaceModel) -> None:
         self.model = model
         template = model.template
-        self.rest = self._mesh(model.mean_identity, self._expression("neutral"))
+        self.rest = self._mesh(model.mean_identity, model.expression_weights("neutral"))
         self.skin, faces = _largest_piece(*template.soft)
         self.representation = DeformationRepresentation(self.rest[self.skin], faces)
         self._refine = template.subdivision.astype(np.float64).tocsr()
@@ -65,11 +64,7 @@ class DeformableHead:
 
     def coarse(self, vertices: np.ndarray) -> np.ndarray:
         """The coarse head (m, 3) whose refinement is nearest to fine vertices (V, 3)."""
-        return self._normal_equations.solve(self._refine.T @ np.asarray(vertices, dtype=np.float64))
-
-    @cached_property
-    def _normal_equations(self) -> SuperLU:
-        return splu((self._refine.T @ self._refine).tocsc())
+        return self.model.nearest_coarse(vertices)
 
     def vertices(self, skin: np.ndarray, start: np.ndarray | None = None) -> np.ndarray:
         """All fine vertices (V, 3) float32 of a deformed skin (n, 3).
@@ -89,12 +84,7 @@ class DeformableHead:
         return np.asarray(self._refine @ coarse, dtype=np.float32)
 
     def _mesh(self, identity: np.ndarray, expression: np.ndarray) -> np.ndarray:
-        model = self.model.bilinear
-        mesh = model.mean + model.basis @ (model.core @ expression @ identity)
-        return mesh.reshape(-1, 3).astype(np.float64)
-
-    def _expression(self, name: str) -> np.ndarray:
-        return self.model.bilinear.expressions[self.model.expressions.index(name)]
+        return self.model.coarse(identity, expression).astype(np.float64)
 
     @cached_property
     def _chosen(self) -> tuple[list[int], list[int]]:
@@ -104,7 +94,7 @@ class DeformableHead:
         decomposition. Nobody exaggerated is among them.
         """
         model = self.model.bilinear
-        rest = self._expression("neutral")
+        rest = self.model.expression_weights("neutral")
         shapes = np.einsum("kpq,p,eq->ek", model.core, self.model.mean_identity, model.expressions - rest)
         people = (model.identities[::LEVELS] - self.model.mean_identity) @ (model.core @ rest).T
         expressions, identities = (
@@ -117,7 +107,7 @@ class DeformableHead:
     def examples(self) -> list[np.ndarray]:
         """Coarse heads (m, 3) of the basis, in the order of `names`."""
         expressions, people = self._chosen
-        model, rest = self.model.bilinear, self._expression("neutral")
+        model, rest = self.model.bilinear, self.model.expression_weights("neutral")
         return [self._mesh(self.model.mean_identity, model.expressions[number]) for number in expressions] + [
             self._mesh(model.identities[::LEVELS][who], rest) for who in people
         ]

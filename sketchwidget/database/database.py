@@ -212,7 +212,7 @@ class FaceDatabase(Sequence[DatabaseFace]):
 
     def expression_weights(self, name: str) -> np.ndarray:
         """Expression weights (q,) of an expression."""
-        return self.model.bilinear.expressions[self.model.expressions.index(name)]
+        return self.model.expression_weights(name)
 
     def identity_weights(self, identity: int, level: int) -> np.ndarray:
         """Identity weights (p,) of a person at a level: the model's own, or fitted if the model does not know them."""

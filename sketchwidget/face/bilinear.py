@@ -35,6 +35,10 @@ class Bilinear:
     identities: np.ndarray
     expressions: np.ndarray
 
+    def mesh(self, identity: np.ndarray, expression: np.ndarray) -> np.ndarray:
+        """The mesh (d,) of weights (p,) and (q,)."""
+        return self.mean + self.basis @ (self.core @ expression @ identity)
+
 
 def fit_identity(model: Bilinear, meshes: np.ndarray, expressions: np.ndarray) -> np.ndarray:
     """Identity weights of one person's meshes, by linear least squares over expressions that are known.

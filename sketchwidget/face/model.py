@@ -113,10 +113,11 @@ class FaceModel:
 
     def vertices(self, identity: np.ndarray, expression: np.ndarray) -> np.ndarray:
         """Fine vertices (V, 3) float32 from weights; see `face`."""
-        model = self.bilinear
-        code = model.core @ expression @ identity
-        coarse = (model.mean + model.basis @ code).reshape(-1, 3)
-        return self.template.subdivision @ coarse
+        return self.template.subdivision @ self.coarse(identity, expression)
+
+    def coarse(self, identity: np.ndarray, expression: np.ndarray) -> np.ndarray:
+        """Coarse vertices (n, 3), millimetres, from weights: the mesh whose refinement is the head."""
+        return self.bilinear.mesh(identity, expression).reshape(-1, 3)
 
     def face(self, identity: Any = None, expression: Any = None) -> Face:
         """The head with the given weights.
@@ -135,7 +136,7 @@ class FaceModel:
         """
         u = self.mean_identity if identity is None else _weights(identity, self.identity_size, "identity")
         if expression is None or isinstance(expression, str):
-            v = self._expression("neutral" if expression is None else expression)
+            v = self.expression_weights("neutral" if expression is None else expression)
         else:
             v = _weights(expression, self.expression_size, "expression")
         return Face(self, self.vertices(u, v), u, v)
@@ -158,13 +159,15 @@ class FaceModel:
         ValueError
             If the vertices have another shape or are not finite.
         """
+        return fit(self.bilinear, self.nearest_coarse(vertices).ravel().astype(np.float32))
+
+    def nearest_coarse(self, vertices: Any) -> np.ndarray:
+        """The coarse mesh (n, 3) float64 whose refinement is nearest to a given one; parameters are those of `fit`."""
         given = np.asarray(vertices, dtype=np.float64)
         expected = (len(self.template.fine_parts), 3)
         if given.shape != expected or not np.isfinite(given).all():
             raise ValueError(f"a mesh of this model has finite vertices {expected}; given shape {given.shape}")
-        refine = self.template.subdivision.astype(np.float64)
-        coarse = self._normal_equations.solve(refine.T @ given)
-        return fit(self.bilinear, coarse.ravel().astype(np.float32))
+        return self._normal_equations.solve(self.template.subdivision.astype(np.float64).T @ given)
 
     @property
     def fingerprint(self) -> str:
@@ -181,7 +184,14 @@ class FaceModel:
         """What processes send each other: all but what holds factorisations, which cannot be pickled."""
         return {name: value for name, value in self.__dict__.items() if name not in ("_normal_equations", "handles")}
 
-    def _expression(self, name: str) -> np.ndarray:
+    def expression_weights(self, name: str) -> np.ndarray:
+        """Weights (expression_size,) of one of `expressions`.
+
+        Raises
+        ------
+        ValueError
+            If no expression has that name.
+        """
         if name not in self.expressions:
             raise ValueError(f"an expression is one of {', '.join(self.expressions)}; given {name!r}")
         return self.bilinear.expressions[self.expressions.index(name)]

@@ -67,7 +67,7 @@ def render_portrait(
     bilinear = model.bilinear
     one, other = bilinear.identities[random.choice(len(bilinear.identities), 2, replace=False)]
     identity = one + random.uniform(0, 0.5) * (other - one)
-    neutral = bilinear.expressions[model.expressions.index("neutral")]
+    neutral = model.expression_weights("neutral")
     expression = neutral + random.uniform(0, 0.7) * (random.choice(bilinear.expressions) - neutral)
     vertices = model.vertices(identity.astype(np.float32), expression.astype(np.float32)).astype(np.float64)
     angles = np.clip(random.normal(0, _TURN), -_MOST, _MOST)

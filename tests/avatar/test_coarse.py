@@ -78,9 +78,7 @@ def test_fine_anchors_are_met_and_the_back_of_the_head_stays(model, fit, known):
 
 def test_at_rest_the_corners_of_a_smile_hang_no_lower_than_the_models(model, fitter, known):
     """Between the lips runs the line of the same person's mouth at rest."""
-    smile = model.bilinear.expressions[model.expressions.index("smile")]
-    neutral = model.bilinear.expressions[model.expressions.index("neutral")]
-    posed, rest = (fitter.coarse(known.identity, expression) for expression in (smile, neutral))
+    posed, rest = (fitter.coarse(known.identity, model.expression_weights(name)) for name in ("smile", "neutral"))
     stretched = posed * (1.1, 1.0, 1.0)
     found = FineFitter(model).neutral(stretched, posed, rest)
     upper, lower = model.curves["mouth_upper"], model.curves["mouth_lower"]

@@ -15,9 +15,7 @@ def builder(model, template):
 @pytest.fixture(scope="module")
 def person(model, builder):
     """A head of the model at rest, fine, its rig and its eyes."""
-    bilinear = model.bilinear
-    code = bilinear.core @ bilinear.expressions[model.expressions.index("neutral")] @ bilinear.identities[5]
-    coarse = (bilinear.mean + bilinear.basis @ code).reshape(-1, 3).astype(np.float64)
+    coarse = model.coarse(model.bilinear.identities[5], model.expression_weights("neutral")).astype(np.float64)
     head = model.template.subdivision @ coarse
     rig, eyes = builder(coarse, fit_eyeballs(model, head, head))
     return head, rig, eyes

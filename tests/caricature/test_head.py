@@ -11,12 +11,6 @@ def test_the_skin_at_rest_is_the_mean_face(head, model):
     np.testing.assert_allclose(head.vertices(head.rest[head.skin]), model.mean, atol=1e-3)
 
 
-def test_a_head_is_refined_from_its_coarse_one(head, model):
-    face = model.face(model.bilinear.identities[40], "laugh")
-    coarse = head.coarse(face.vertices)
-    np.testing.assert_allclose(model.template.subdivision @ coarse, face.vertices, atol=1e-3)
-
-
 def testexamples_are_of_normal_faces_that_differ(head, model):
     expressions = [name for name in head.names if not name.startswith("identity")]
     assert len(expressions) + 20 == len(head.names) == head.space.size and "neutral" not in expressions

@@ -10,9 +10,7 @@ from sketchwidget.face.exaggeration import LEVELS, Exaggeration
 @pytest.fixture(scope="module")
 def rest(model):
     """Coarse vertices of the mean face."""
-    bilinear = model.bilinear
-    code = bilinear.core @ bilinear.expressions[model.expressions.index("neutral")] @ model.mean_identity
-    return (bilinear.mean + bilinear.basis @ code).reshape(-1, 3)
+    return model.coarse(model.mean_identity, model.expression_weights("neutral"))
 
 
 @pytest.fixture(scope="module")

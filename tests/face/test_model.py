@@ -165,6 +165,19 @@ def test_weights_of_a_mesh_of_the_model_come_back(model):
     assert np.linalg.norm((again - mesh).reshape(-1, 3), axis=1).mean() < 0.01
 
 
+def test_a_head_is_refined_from_its_coarse_one(model):
+    face = model.face(model.bilinear.identities[40], "laugh")
+    coarse = model.nearest_coarse(face.vertices)
+    np.testing.assert_allclose(coarse, model.coarse(face.identity, face.expression), atol=1e-3)
+    np.testing.assert_allclose(model.template.subdivision @ coarse, face.vertices, atol=1e-3)
+
+
+def test_weights_of_an_expression_are_known_by_its_name(model):
+    np.testing.assert_array_equal(model.expression_weights("smile"), model.face(expression="smile").expression)
+    with pytest.raises(ValueError, match="given 'sulk'"):
+        model.expression_weights("sulk")
+
+
 def test_a_rank_above_its_mode_is_refused():
     with pytest.raises(ValueError, match="no rank"):
         decompose(np.zeros((4, 3, 6), dtype=np.float32), (5, 2), 3)

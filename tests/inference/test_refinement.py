@@ -27,7 +27,7 @@ def drawn(refiner, identity, expression):
 
 
 def weights(model, person, expression):
-    return model.bilinear.identities[person], model.bilinear.expressions[model.expressions.index(expression)]
+    return model.bilinear.identities[person], model.expression_weights(expression)
 
 
 def test_lines_are_the_projected_handles(model, refiner):
