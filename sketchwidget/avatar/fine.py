@@ -11,7 +11,7 @@ from ..face.model import FaceModel
 from ..face.template import PARTS
 from ..geometry.deformation_transfer import DeformationTransfer, deformation_gradients
 from ..portrait.landmarks import FaceLandmarks, slid
-from ..sketch import resample
+from ..sketch import arc_length, resample
 from .coarse import CoarseFit, landmark_weights
 
 _LAMBDA = 2.0  # of equation 10, against Laplacians of a mesh in millimetres
@@ -150,7 +150,7 @@ def _lid_anchors(model: FaceModel, side: str) -> tuple[np.ndarray, np.ndarray]:
     for number, lid in enumerate(("lower", "upper")):
         path = model.curves[f"{side}_eye_{lid}"]
         points = model.mean[path]
-        length = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))])
+        length = arc_length(points)
         share = length / length[-1]
         if abs(points[0, 0]) < abs(points[-1, 0]):  # from the outer corner
             share = 1 - share

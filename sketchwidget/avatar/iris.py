@@ -6,6 +6,7 @@ import cv2
 import numpy as np
 
 from ..geometry.camera import Camera
+from ..geometry.smoothstep import smoothstep
 from ..portrait.landmarks import EYES, FaceLandmarks
 from .eyes import Eyeball
 
@@ -71,5 +72,4 @@ def paint(angle: np.ndarray, around: np.ndarray, share: float, colour: np.ndarra
 
 def _step(value: np.ndarray, at: float) -> np.ndarray:
     """0 below a threshold, 1 above it, softly."""
-    t = np.clip((value - at) / (2 * _SOFT) + 0.5, 0.0, 1.0)
-    return t * t * (3 - 2 * t)
+    return smoothstep((value - at) / (2 * _SOFT) + 0.5)

@@ -12,6 +12,7 @@ from scipy import sparse
 from ..face.model import FaceModel
 from ..geometry.deformation_transfer import DeformationTransfer, deformation_gradients
 from ..geometry.edges import edge_distance
+from ..sketch import arc_length
 from .eyes import SIDES, Eyeball, set_back
 from .template import AvatarTemplate
 
@@ -143,7 +144,7 @@ class _Lids:
 
 def _along(points: np.ndarray) -> np.ndarray:
     """How far along its line each point (n, 3) is, 0 to 1."""
-    length = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))])
+    length = arc_length(points)
     return length / length[-1]
 
 

@@ -16,6 +16,7 @@ from scipy.spatial import KDTree
 from ..face.template import PARTS, Template
 from ..geometry.edges import edge_distance, edge_graph
 from ..geometry.intersection import intersecting
+from ..geometry.smoothstep import smoothstep
 from ..geometry.visibility import covering
 
 _LIP_MM, _LID_MM = 9.0, 8.0  # how far from the lips' contact and the lids' margins both are looked for
@@ -91,7 +92,7 @@ class Contact:
         coarse = slice(template.coarse_count)  # the first fine vertices are the coarse ones
         near = np.minimum(from_upper, from_lower)[coarse]
         difference = np.clip((from_lower - from_upper)[coarse], -3.0, 3.0) / 3.0
-        share = difference * _fade(near, _LIP_REACH) * (template.parts <= PARTS.index("mouth"))
+        share = difference * (1 - smoothstep(near, 0.0, _LIP_REACH)) * (template.parts <= PARTS.index("mouth"))
         used = np.unique(np.concatenate([upper, lower]))
         return _Lips(template.subdivision[used], np.searchsorted(used, upper), np.searchsorted(used, lower), share)
 
@@ -197,9 +198,3 @@ class Contact:
         spread = np.maximum(gaussian_filter1d(by_column, 2.0), by_column)
         x = (head[:, 0] - low[0]) / _STEP
         head[:, 1] += 0.5 * self._lips.share * np.interp(x, np.arange(columns) + 0.5, spread)
-
-
-def _fade(distance: np.ndarray, reach: float) -> np.ndarray:
-    """1 up to distance 0, smoothly 0 from `reach` on."""
-    t = np.clip(distance / reach, 0.0, 1.0)
-    return 1 - t**2 * (3 - 2 * t)

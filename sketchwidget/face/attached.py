@@ -13,6 +13,7 @@ from scipy.interpolate import LinearNDInterpolator
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import KDTree
 
+from ..geometry.smoothstep import smoothstep
 from .template import PARTS, Template
 
 _FACING = 0.2  # z of a normal
@@ -127,11 +128,10 @@ def _eyeball(vertices: np.ndarray, template: Template, rest: np.ndarray, front: 
     off = np.linalg.norm((rest - middle)[:, :2], axis=1)
     radius = off[vertices].max()
     rim = vertices[off[vertices] > _RIGID * radius]
-    share = (off[rim] / radius - _RIGID) / (1 - _RIGID)
     before = np.flatnonzero(front)
     away, nearest = KDTree(rest[before, :2]).query(rest[rim, :2], k=_COVERING)
     weights = 1 / (away + 0.1)
-    weights *= (share**2 * (3 - 2 * share) / weights.sum(axis=1))[:, None]
+    weights *= (smoothstep(off[rim] / radius, _RIGID) / weights.sum(axis=1))[:, None]
     near = front & (off < 1.2 * radius)
     lids = template.faces[near[template.faces].all(axis=1)]
     side = "left" if middle[0] > 0 else "right"

@@ -10,6 +10,7 @@ from scipy import sparse
 from scipy.sparse.linalg import splu
 
 from .edges import edge_distance
+from .smoothstep import smoothstep
 
 
 class RegionDeformation:
@@ -85,8 +86,7 @@ class RegionDeformation:
             The vertices that the border is made of; by default, all that lie outside.
         """
         depth = self._depth if border is None else edge_distance(self._vertices, self._faces, border)
-        at = np.minimum(depth[self.handles] / min(width, depth[self._region].max()), 1.0)
-        return at * at * (3.0 - 2.0 * at)
+        return smoothstep(depth[self.handles], 0.0, min(width, depth[self._region].max()))
 
 
 def within_reach(vertices: np.ndarray, faces: np.ndarray, sources: np.ndarray, reach: float) -> np.ndarray:

@@ -198,8 +198,8 @@ def carried_on(gap: Gap, stroke: np.ndarray) -> np.ndarray:
     as_far = int(np.searchsorted(arc_length(former), arc_length(stroke)[-1]))
     left = former[min(max(nearest, as_far), len(former) - 1) :]
     off = stroke[-1] - left[0]
-    rest = np.clip(1 - arc_length(left) / max(_BACK * float(np.linalg.norm(off)), 1e-9), 0.0, 1.0)
-    return np.concatenate([stroke, (left + (rest**2 * (3 - 2 * rest))[:, None] * off)[1:]])
+    share = _fading(arc_length(left), max(_BACK * float(np.linalg.norm(off)), 1e-9))
+    return np.concatenate([stroke, (left + share * off)[1:]])
 
 
 def _plain(gap: Gap, stroke: np.ndarray, start: np.ndarray, end: np.ndarray) -> np.ndarray:
@@ -252,8 +252,7 @@ def _begun_at(line: np.ndarray, start: np.ndarray, direction: np.ndarray) -> np.
     along = arc_length(line)
     off = start - line[0]
     within = max(min(_GIVES_WAY * float(np.linalg.norm(off)), along[-1] / 2), 1e-9)
-    rest = np.clip(1 - along / within, 0.0, 1.0)
-    line = line + (rest**2 * (3 - 2 * rest))[:, None] * off
+    line = line + _fading(along, within) * off
     along = arc_length(line)
     bend = int(np.searchsorted(along, min(_JOIN, along[-1] / 6)))
     onward = _unit(line[min(bend + 4, len(line) - 1)] - line[bend])
@@ -268,6 +267,12 @@ def _begun_at(line: np.ndarray, start: np.ndarray, direction: np.ndarray) -> np.
         + (t**3 - t**2) * reach * onward
     )
     return np.concatenate([curve, line[bend + 1 :]])
+
+
+def _fading(along: np.ndarray, reach: float) -> np.ndarray:
+    """Shares (n, 1) that fall smoothly from 1 at the start of a line to 0 at a length along it."""
+    rest = np.clip(1 - along / reach, 0.0, 1.0)
+    return (rest**2 * (3 - 2 * rest))[:, None]
 
 
 def _direction(points: np.ndarray) -> np.ndarray:

@@ -12,7 +12,8 @@ def arc_length(points: np.ndarray) -> np.ndarray:
 
     Parameters
     ----------
-    points : (n, 2) array
+    points : (n, d) array
+        In the plane or in space.
 
     Returns
     -------
@@ -20,7 +21,7 @@ def arc_length(points: np.ndarray) -> np.ndarray:
         Starts at 0, never decreases; its last entry is the length of the polyline.
     """
     steps = np.diff(np.asarray(points, dtype=np.float64), axis=0)
-    return np.concatenate([[0.0], np.cumsum(np.hypot(steps[:, 0], steps[:, 1]))])
+    return np.concatenate([[0.0], np.cumsum(np.hypot.reduce(steps, axis=1))])
 
 
 def distance(points: np.ndarray, line: np.ndarray) -> np.ndarray:

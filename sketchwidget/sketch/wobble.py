@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from .polyline import resample
+from .polyline import arc_length, resample
 
 _POINTS_PER_UNIT = 90  # of canvas length; close enough that no corner shows
 _FEWEST, _MOST = 6, 90
@@ -25,7 +25,7 @@ def wobble(points: np.ndarray, amount: float, random: np.random.Generator) -> np
     (m, 2) array
         Evenly spaced.
     """
-    length = float(np.hypot(*np.diff(points, axis=0).T).sum()) if len(points) > 1 else 0.0
+    length = float(arc_length(points)[-1])
     if length == 0.0:
         return points + random.normal(0.0, amount, 2)
     count = int(np.clip(length * _POINTS_PER_UNIT, _FEWEST, _MOST))

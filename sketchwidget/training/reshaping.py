@@ -7,6 +7,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from ..face.model import FaceModel
+from ..geometry.smoothstep import smoothstep
 from .face_table import LINES
 
 
@@ -24,13 +25,13 @@ class Reshaping:
         basis, mean = model.bilinear.basis, model.bilinear.mean
         x, y, _ = mean.reshape(-1, 3).T
         lines = model.template.subdivision[np.concatenate([model.curves[name] for name in LINES])]
-        everywhere, sides = np.ones_like(x), _rise(np.abs(x), 20.0, 55.0)
+        everywhere, sides = np.ones_like(x), smoothstep(np.abs(x), 20.0, 55.0)
         # Axis and, for each coarse vertex, how much it takes part.
         ways = {
             "width": (0, everywhere),
             "height": (1, everywhere),
-            "jaw": (0, sides * _rise(-y, 10.0, 75.0)),
-            "crown": (0, sides * _rise(y, 10.0, 75.0)),
+            "jaw": (0, sides * smoothstep(-y, 10.0, 75.0)),
+            "crown": (0, sides * smoothstep(y, 10.0, 75.0)),
         }
         # Scaling an axis about the origin is an affine map of the code: by a matrix and a constant for a unit of scale.
         self._ways = {
@@ -61,9 +62,3 @@ class Reshaping:
             points[:, axis] *= 1 + amount * share
             code = code + amount * (linear @ code + constant)
         return points, code
-
-
-def _rise(values: np.ndarray, low: float, high: float) -> np.ndarray:
-    """0 up to `low`, 1 from `high` on, smooth between."""
-    share = np.clip((values - low) / (high - low), 0.0, 1.0)
-    return (share**2 * (3 - 2 * share)).astype(np.float32)

@@ -13,6 +13,10 @@ def test_arc_length_of_a_right_angle():
     np.testing.assert_allclose(arc_length(np.array([[0, 0], [3, 0], [3, 4]])), [0, 3, 7])
 
 
+def test_arc_length_in_space():
+    np.testing.assert_allclose(arc_length(np.array([[0, 0, 0], [1, 2, 2], [1, 2, 7]])), [0, 3, 8])
+
+
 def test_resampling_a_right_angle():
     np.testing.assert_allclose(
         resample(np.array([[0, 0], [2, 0], [2, 2]]), 5), [[0, 0], [1, 0], [2, 0], [2, 1], [2, 2]]
