@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from ..face.model import FaceModel
+from ..geometry.finite import check_finite
 from ..portrait.landmarks import OUTER_EYE_CORNERS
 
 COUNT = 3
@@ -37,8 +38,7 @@ def landmarks_from(points: Any, model: FaceModel) -> np.ndarray:
         If they are not three finite points that span a face.
     """
     given = np.asarray(points, dtype=np.float64)
-    if given.shape != (COUNT, 2) or not np.isfinite(given).all():
-        raise ValueError(f"a face is begun by three finite points (3, 2) of pixels; given shape {given.shape}")
+    check_finite(given, (COUNT, 2), "a face is begun by three finite points (3, 2) of pixels", "point")
     eyes, chin = given[given[:2, 0].argsort()], given[2]
     along, down = eyes[1] - eyes[0], chin - eyes.mean(axis=0)
     size = float(np.linalg.norm(along))

@@ -59,7 +59,8 @@ class Drawing:
 
     def __post_init__(self) -> None:
         if not isinstance(self.strokes, Sequence) or not 1 <= len(self.strokes) <= MAX_STROKES:
-            raise ValueError(f"a drawing is a list of 1 to {MAX_STROKES:,} strokes")
+            given = f"{len(self.strokes):,}" if isinstance(self.strokes, Sequence) else type(self.strokes).__name__
+            raise ValueError(f"a drawing is a list of 1 to {MAX_STROKES:,} strokes; given {given}")
         strokes = tuple(as_pen_stroke(points) for points in self.strokes)
         if (total := sum(map(len, strokes))) > MAX_POINTS:
             raise ValueError(f"a drawing has at most {MAX_POINTS:,} points; given {total:,}")

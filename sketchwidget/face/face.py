@@ -11,6 +11,7 @@ import numpy as np
 import trimesh
 
 from ..files.whole import whole
+from ..geometry.finite import check_finite
 from ..geometry.picture import picture
 from ..geometry.view import CANVAS_MM, View
 from ..sketch import Sketch
@@ -53,8 +54,7 @@ class Face:
     def __post_init__(self) -> None:
         vertices = np.ascontiguousarray(self.vertices, dtype=np.float32)
         expected = (len(self.model.template.fine_parts), 3)
-        if vertices.shape != expected or not np.isfinite(vertices).all():
-            raise ValueError(f"a face of this model has finite vertices {expected}; given shape {vertices.shape}")
+        check_finite(vertices, expected, f"a face of this model has finite vertices {expected}", "vertex")
         vertices.flags.writeable = False
         object.__setattr__(self, "vertices", vertices)
         for name in ("identity", "expression"):

@@ -15,6 +15,7 @@ from scipy.sparse.linalg import SuperLU, splu
 
 from ..files.shipped import shipped
 from ..files.tensorfile import read, writing
+from ..geometry.finite import check_finite
 from ..sketch import FEATURES, SILHOUETTE
 from .appearance import vertex_colors
 from .bilinear import Bilinear, fit
@@ -165,8 +166,7 @@ class FaceModel:
         """The coarse mesh (n, 3) float64 whose refinement is nearest to a given one; parameters are those of `fit`."""
         given = np.asarray(vertices, dtype=np.float64)
         expected = (len(self.template.fine_parts), 3)
-        if given.shape != expected or not np.isfinite(given).all():
-            raise ValueError(f"a mesh of this model has finite vertices {expected}; given shape {given.shape}")
+        check_finite(given, expected, f"a mesh of this model has finite vertices {expected}", "vertex")
         return self._normal_equations.solve(self.template.subdivision.astype(np.float64).T @ given)
 
     @property

@@ -12,6 +12,7 @@ from scipy.sparse.linalg import SuperLU, splu
 from scipy.spatial.transform import Rotation
 
 from .alignment import similarity
+from .finite import check_finite
 
 _LEAST_WEIGHT = 1e-3  # of an edge, over the mean: an obtuse triangle's cotangent would be negative
 _AROUND = 0.1  # what the neighbours' 1-rings count: one that is nearly flat tells nothing about its normal
@@ -102,8 +103,8 @@ class DeformationRepresentation:
     def aligned(self, vertices: np.ndarray) -> np.ndarray:
         """A mesh (n, 3) moved rigidly to where it is nearest to the reference."""
         vertices = np.asarray(vertices, dtype=np.float64)
-        if vertices.shape != self.reference.shape or not np.isfinite(vertices).all():
-            raise ValueError(f"a mesh has finite vertices {self.reference.shape}; given shape {vertices.shape}")
+        shape = self.reference.shape
+        check_finite(vertices, shape, f"a mesh of this topology has finite vertices {shape}", "vertex")
         _, rotation, _ = similarity(vertices, self.reference)
         return (vertices - vertices.mean(axis=0)) @ rotation.T + self.reference.mean(axis=0)
 

@@ -7,6 +7,8 @@ from typing import Any, Protocol
 
 import numpy as np
 
+from ..geometry.finite import check_finite
+
 RIGHT_EYE, LEFT_EYE = slice(36, 42), slice(42, 48)  # the subject's, of the 68 landmarks in iBUG order
 EYES = {"right": RIGHT_EYE, "left": LEFT_EYE}
 OUTER_EYE_CORNERS = (36, 45)
@@ -100,8 +102,7 @@ class FaceDetector(Protocol):
 def check_points(points: Any) -> np.ndarray:
     """Landmarks as a (68, 2) float64 array; a ValueError says what is wrong with them."""
     given = np.asarray(points, dtype=np.float64)
-    if given.shape != (68, 2) or not np.isfinite(given).all():
-        raise ValueError(f"landmarks are 68 finite points (68, 2) in pixels; given an array of shape {given.shape}")
+    check_finite(given, (68, 2), "landmarks are 68 finite points (68, 2) in pixels", "landmark")
     if np.ptp(given, axis=0).min() < 1.0:
         raise ValueError("the landmarks lie in one line or point: they are pixels of the picture, x first")
     return given

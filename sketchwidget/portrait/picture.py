@@ -105,7 +105,10 @@ def _eight_bits(pixels: np.ndarray) -> np.ndarray:
         return pixels.astype(np.uint8) * 255
     if np.issubdtype(pixels.dtype, np.floating):
         if not np.isfinite(pixels).all() or pixels.min() < 0 or pixels.max() > 1:
-            raise ValueError("a picture of floating-point numbers has values between 0 and 1")
+            raise ValueError(
+                "a picture of floating-point numbers has values between 0 and 1; given values from"
+                f" {pixels.min():g} to {pixels.max():g}"
+            )
         return np.rint(pixels * 255).astype(np.uint8)
     raise ValueError(f"a picture's values are uint8, uint16, bool or floating point; given {pixels.dtype}")
 

@@ -33,23 +33,28 @@ def as_pen_stroke(points: Any) -> np.ndarray:
     ValueError
         If the points are anything else.
     """
+    expected = f"a stroke is 1 to {MAX_PEN_POINTS:,} points, each of four numbers: x, y, pressure and milliseconds"
     try:
         array = np.asarray(points)
-    except (ValueError, OverflowError):  # rows of different lengths; whole numbers beyond any float
-        array = np.empty((0, 4))
-    if array.dtype.kind not in "iuf" or array.ndim != 2 or array.shape[1] != 4 or not 1 <= len(array) <= MAX_PEN_POINTS:
-        raise ValueError(
-            f"a stroke is 1 to {MAX_PEN_POINTS:,} points, each of four numbers: x, y, pressure and milliseconds"
-        )
+    except (ValueError, OverflowError) as error:  # rows of different lengths; whole numbers beyond any float
+        raise ValueError(f"{expected}; given no array: {error}") from error
+    if array.ndim != 2 or array.shape[1] != 4 or not 1 <= len(array) <= MAX_PEN_POINTS:
+        raise ValueError(f"{expected}; given shape {array.shape}")
+    if array.dtype.kind not in "iuf":
+        raise ValueError(f"{expected}; given {array.dtype} values")
     x, y, pressure, time = array.T
     low, high = REACH
     # Comparisons with NaN are false.
-    if not ((x >= low) & (x <= high) & (y >= low) & (y <= high)).all():
-        raise ValueError(f"a stroke lies within [{low:g}, {high:g}] of the canvas, the unit square")
-    if not ((pressure >= 0) & (pressure <= 1)).all():
-        raise ValueError("the pressure of a pen is between 0 and 1")
-    if not ((time >= 0).all() and (np.diff(time) >= 0).all() and (time <= MAX_MILLISECONDS).all()):
-        raise ValueError(f"the times of a stroke are 0 to {MAX_MILLISECONDS:,.0f} ms and never decrease")
+    on_canvas = (x >= low) & (x <= high) & (y >= low) & (y <= high)
+    in_time = (time >= 0) & (np.diff(time, prepend=0) >= 0) & (time <= MAX_MILLISECONDS)
+    for rule, kept in {
+        f"a stroke lies within [{low:g}, {high:g}] of the canvas, the unit square": on_canvas,
+        "the pressure of a pen is between 0 and 1": (pressure >= 0) & (pressure <= 1),
+        f"the times of a stroke are 0 to {MAX_MILLISECONDS:,.0f} ms and never decrease": in_time,
+    }.items():
+        if not kept.all():
+            row = int(np.argmin(kept))
+            raise ValueError(f"{rule}; given {array[row].tolist()} as point {row}")
     stroke = rounded(array).astype(np.float32)
     stroke.flags.writeable = False
     return stroke

@@ -27,8 +27,8 @@ def test_the_eyes_may_come_in_any_order(model):
 @pytest.mark.parametrize(
     ("points", "complaint"),
     [
-        (POINTS[:2], "three finite points"),
-        ([*POINTS[:2], [np.nan, 0]], "three finite points"),
+        (POINTS[:2], r"three finite points .* given shape \(2, 2\)"),
+        ([*POINTS[:2], [np.nan, 0]], r"three finite points .* given \[nan, 0.0\] as point 2"),
         ([[0, 0], [100, 0], [50, 2]], "below the eyes"),
         ([[0, 0], [100, 0], [50, -80]], "below the eyes"),
         ([[5, 5], [5, 5], [5, 9]], "below the eyes"),

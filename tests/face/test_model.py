@@ -198,8 +198,8 @@ def test_the_fit_is_nearer_than_any_expression_of_the_mean_identity(model):
 
 
 def test_only_meshes_of_the_topology_are_fitted(model):
-    for bad in (model.mean[:10], model.mean * np.nan):
-        with pytest.raises(ValueError, match="a mesh of this model has finite vertices"):
+    for bad, told in ((model.mean[:10], r"shape \(10, 3\)"), (model.mean * np.nan, r"\[nan, nan, nan\] as vertex 0")):
+        with pytest.raises(ValueError, match=rf"a mesh of this model has finite vertices \(16837, 3\); given {told}"):
             model.fit(bad)
 
 

@@ -146,5 +146,5 @@ def test_bad_input_is_refused():
         DeformationRepresentation(*two)
     with pytest.raises(ValueError, match=r"\(162, 3\); given shape \(3, 3\)"):
         BALL.encode(np.zeros((3, 3)))
-    with pytest.raises(ValueError, match="finite"):
+    with pytest.raises(ValueError, match=r"finite vertices \(162, 3\); given \[nan, nan, nan\] as vertex 0"):
         BALL.encode(np.full(VERTICES.shape, np.nan))

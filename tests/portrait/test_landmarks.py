@@ -39,7 +39,15 @@ def test_moving_scales_the_irises_too(scale, shift):
     assert np.isclose(moved.eye_distance, scale * marks.eye_distance)
 
 
-@pytest.mark.parametrize("given_points", [np.zeros((5, 2)), np.zeros((68, 2)), np.full((68, 2), np.nan), "nobody"])
-def test_landmarks_are_68_points(given_points):
-    with pytest.raises(ValueError):
+@pytest.mark.parametrize(
+    ("given_points", "told"),
+    [
+        (np.zeros((5, 2)), r"given shape \(5, 2\)"),
+        (np.zeros((68, 2)), "one line or point"),
+        (np.full((68, 2), np.nan), r"given \[nan, nan\] as landmark 0"),
+        ("nobody", "nobody"),
+    ],
+)
+def test_landmarks_are_68_points(given_points, told):
+    with pytest.raises(ValueError, match=told):
         FaceLandmarks(given_points)
