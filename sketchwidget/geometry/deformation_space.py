@@ -7,7 +7,6 @@ from collections.abc import Sequence
 import numpy as np
 
 from .deformation_representation import Deformation, DeformationRepresentation
-from .levenberg_marquardt import levenberg_marquardt
 
 
 class DeformationSpace:
@@ -102,23 +101,3 @@ class DeformationSpace:
         rooted = representation.root[:, None] @ by_weights.astype(np.float32)
         rooted = rooted.reshape(-1, 2 * self.size)
         return (rooted.T @ rooted).astype(np.float64), gradient, by_weights
-
-    def weights(self, vertices: np.ndarray, start: np.ndarray | None = None) -> np.ndarray:
-        """Weights (2, k) of a mesh (n, 3), brought onto the reference, by Levenberg-Marquardt (equation 9).
-
-        Parameters
-        ----------
-        vertices : (n, 3) array
-        start : (2, k) array, optional
-            Zero by default.
-        """
-        vertices = self.representation.aligned(vertices)
-        start = np.zeros((2, self.size)) if start is None else np.asarray(start)
-
-        def cost(flat: np.ndarray) -> float:
-            return self.representation.energy(vertices, self.gradients(flat.reshape(2, -1)))
-
-        def normal_equations(flat: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-            return self.normal_equations(flat.reshape(2, -1), vertices)[:2]
-
-        return levenberg_marquardt(cost, normal_equations, start.ravel()).reshape(2, -1)

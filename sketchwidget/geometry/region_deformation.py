@@ -66,11 +66,6 @@ class RegionDeformation:
         return moved
 
     @cached_property
-    def weights(self) -> np.ndarray:
-        """How far each vertex goes along when all handles move together, (n,): 1 at the handles, 0 outside."""
-        return self.displacement(np.ones((len(self.handles), 3)))[:, 0]
-
-    @cached_property
     def _depth(self) -> np.ndarray:
         """How far (n,) it is to the border, along the edges."""
         return edge_distance(self._vertices, self._faces, np.flatnonzero(~self._region))

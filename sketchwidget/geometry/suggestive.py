@@ -53,33 +53,6 @@ class SuggestiveContours:
         self._edges, edge_of = np.unique(sides, axis=0, return_inverse=True)
         self._edges_of_face = edge_of.reshape(-1, 3)
 
-    def radial_curvature(self, vertices: np.ndarray, direction: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Normal curvature along the view direction, and how it grows towards the viewer.
-
-        With `n` the normal, `v` the direction and `w = v - (n v) n`, the radial curvature is the derivative of `n v`
-        along `w`, over `w w`: what bends the normal in the plane of `n` and `v`. A convex surface has it positive.
-
-        Parameters
-        ----------
-        vertices : (n, 3) array
-            Millimetres.
-        direction : (3,) array
-            Unit vector to the viewer.
-
-        Returns
-        -------
-        curvature : (n,) array
-            1/mm; NaN away from the region, and where the direction is the normal.
-        derivative : (n,) array
-            Along the unit `w`, 1/mm^2; NaN likewise.
-        """
-        bend, slope, sine = self._bend(vertices, direction)
-        curvature, derivative = np.full((2, len(vertices)), np.nan)
-        sine = np.where(sine > 1e-6, sine, np.nan)
-        curvature[self._kept] = bend / sine**2
-        derivative[self._kept] = slope / sine**2
-        return curvature, derivative
-
     def __call__(
         self, vertices: np.ndarray, direction: np.ndarray, angle: float, least: float, peak: float
     ) -> list[np.ndarray]:
@@ -123,6 +96,9 @@ class SuggestiveContours:
 
     def _bend(self, vertices: np.ndarray, direction: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Radial curvature times `w w`, the derivative of that along the unit `w`, and the length of `w`; (k,) each.
+
+        With `n` the normal, `v` the direction and `w = v - (n v) n`, the radial curvature is the derivative of `n v`
+        along `w`, over `w w`: what bends the normal in the plane of `n` and `v`. A convex surface has it positive.
 
         The product is what is smoothed and followed to zero: it has the zeros of the curvature, and none of its noise
         where the surface faces the viewer.
