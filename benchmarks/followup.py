@@ -84,7 +84,7 @@ def main() -> None:
         rows.append([_errors(head.vertices[skin], face.vertices[skin]) for head in heads])
         if len(pictures) < _SHOWN:
             shown = [
-                _sketched(inferred.sketch),
+                inferred.sketch.picture(_SIZE),
                 *(
                     head.picture(view, _SIZE)
                     for head in (inferred.face, plain.face, face)
@@ -100,11 +100,6 @@ def main() -> None:
 def _errors(found: np.ndarray, true: np.ndarray) -> tuple[float, float]:
     """Mean distance of vertices, and mean distance in depth alone."""
     return float(np.linalg.norm(found - true, axis=1).mean()), float(np.abs(found - true)[:, 2].mean())
-
-
-def _sketched(sketch: sw.Sketch) -> np.ndarray:
-    ink = sketch.image(_SIZE)
-    return np.repeat(np.where(ink, 40, 255).astype(np.uint8)[..., None], 3, axis=2)
 
 
 def _table(errors: np.ndarray, count: int) -> str:

@@ -19,7 +19,7 @@ import sketchwidget as sw
 from sketchwidget.face.drawing import outline
 from sketchwidget.inference.framing import place
 from sketchwidget.inference.regressor import Inference
-from sketchwidget.sketch import COLOURS, FEATURES, SILHOUETTE, kind, resample
+from sketchwidget.sketch import FEATURES, SILHOUETTE, resample
 
 from .expression import MEANINGS, Reading
 
@@ -76,15 +76,10 @@ def mean_face_distance(sketch: sw.Sketch, found: Inference) -> float:
 
 def tile(sketch: sw.Sketch, found: Inference, missed: list[str]) -> np.ndarray:
     """A drawing in the colours of what its strokes were taken for, and the head, framed if it misses its meaning."""
-    paper = np.full((SIZE, SIZE, 3), 255, dtype=np.uint8)
-    for name, segment in zip(found.names, sketch.segments, strict=True):
-        color = tuple(bytes.fromhex(COLOURS[kind(name)].removeprefix("#")))
-        points = np.round(segment.points * SIZE * 16).astype(np.int32)
-        cv2.polylines(paper, [points], False, color, 1, cv2.LINE_AA, 4)
     head = np.array(found.face.picture("front", SIZE))
     if missed:
         cv2.rectangle(head, (1, 1), (SIZE - 2, SIZE - 2), MISSED, 2)
-    return np.hstack([paper, head])
+    return np.hstack([sketch.renamed(found.names).picture(SIZE), head])
 
 
 def measure(drawings: list[tuple[str, sw.Sketch, list[str]]], regressor: sw.FaceRegressor, sheet: Path | None) -> dict:

@@ -146,7 +146,7 @@ def main() -> None:
     for script in SCRIPTS:
         session = sw.Session(regressor)
         artist, heads = script.play(session)
-        drawing = cv2.cvtColor(255 - 255 * sw.Sketch.load(DRAWINGS / script.drawing).image(260).astype(np.uint8), 8)
+        drawing = sw.Sketch.load(DRAWINGS / script.drawing).picture(260)
         views = [heads[0].picture("three-quarter", 260), heads[1].picture("three-quarter", 260)]
         views += [heads[2].picture(view, 260) for view in ("three-quarter", "left", "front")]
         pictures.append(np.hstack([drawing, *views]))

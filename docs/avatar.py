@@ -3,6 +3,7 @@
 python docs/avatar.py, after `sketchwidget models`
 """
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -27,6 +28,7 @@ SHOWN = (
 avatar = sw.avatar.build(data.astronaut())
 pictures = [np.array(Image.fromarray(avatar.stages["portrait"]).resize((SIZE, SIZE)))]
 for name, weights in SHOWN:
-    view = View(View.preset(name).rotation, 1.05 / CANVAS_MM, np.array([0.5, 0.46]))
+    # Closer than a picture of the whole head: these are small, and the face is what differs.
+    view = replace(View.preset(name), scale=1.05 / CANVAS_MM, centre=np.array([0.5, 0.46]))
     pictures.append(avatar.picture(weights, view, SIZE))
 Image.fromarray(np.hstack(pictures)).save(Path(__file__).with_suffix(".png"), optimize=True)

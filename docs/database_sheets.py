@@ -8,13 +8,11 @@ from __future__ import annotations
 import sys
 from pathlib import Path
 
-import cv2
 import numpy as np
 from skimage.io import imsave
 from skimage.util import montage
 
 import sketchwidget as sw
-from sketchwidget.sketch import COLOURS, kind
 
 FOLDER = Path(__file__).parent / "database"
 PEOPLE = (2, 3, 7, 12, 25, 31, 44, 52)
@@ -24,15 +22,6 @@ def sheet(pictures: list[np.ndarray], columns: int) -> np.ndarray:
     """Pictures in rows of so many columns, on white."""
     rows = -(-len(pictures) // columns)
     return montage(np.stack(pictures), grid_shape=(rows, columns), channel_axis=-1, fill=[255] * 3)
-
-
-def drawing(sketch: sw.Sketch, size: int) -> np.ndarray:
-    """A sketch in the colours of its lines, (size, size, 3) uint8."""
-    paper = np.full((size, size, 3), 255, dtype=np.uint8)
-    for segment in sketch.segments:
-        color = tuple(bytes.fromhex(COLOURS[kind(segment.name)].removeprefix("#")))
-        cv2.polylines(paper, [np.round(segment.points * size * 16).astype(np.int32)], False, color, 1, cv2.LINE_AA, 4)
-    return paper
 
 
 def main(path: str) -> None:
@@ -56,9 +45,7 @@ def main(path: str) -> None:
     ]
     chosen = ["neutral", "smile", "anger", "surprise", "disgust", "laugh", "shout", "cry"]
     sketches = [
-        drawing(face(PEOPLE[row], name, level).sketch, 170)
-        for row, level in ((0, 1), (3, 2), (6, 4))
-        for name in chosen
+        face(PEOPLE[row], name, level).sketch.picture(170) for row, level in ((0, 1), (3, 2), (6, 4)) for name in chosen
     ]
     sheets = {"identities": (identities, 10), "expressions": (expressions, 25), "levels": (levels, 8)}
     for name, (pictures, columns) in (sheets | {"sketches": (sketches, 8)}).items():

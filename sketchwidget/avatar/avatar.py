@@ -17,7 +17,7 @@ from ..face.model import FaceModel
 from ..face.texture import Texture
 from ..files.whole import whole
 from ..geometry.camera import Camera
-from ..geometry.view import CANVAS_MM, View
+from ..geometry.view import View
 from .eyes import Eyeball, gaze_names
 from .gltf import MorphMesh, WeightTrack, write_glb
 from .neck import neck_cap
@@ -109,9 +109,9 @@ class Avatar:
     def picture(
         self, weights: Mapping[str, float] | None = None, view: View | str = "front", size: int = 320
     ) -> np.ndarray:
-        """A textured picture (size, size, 3) uint8; a preset view is a little further away, to show the neck too."""
+        """A textured picture (size, size, 3) uint8; a view by its name is of the whole head, see `View.of_head`."""
         if isinstance(view, str):
-            view = View(View.preset(view).rotation, 0.88 / CANVAS_MM, np.array([0.5, 0.47]))
+            view = View.of_head(view)
         closed = np.concatenate([self.model.faces, self._neck_cap])
         return textured(self.pose(weights or {}), closed, self.uv, self.texture, view, size)
 

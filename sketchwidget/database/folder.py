@@ -10,8 +10,8 @@ from typing import Any
 
 import numpy as np
 
-from ..face.drawing import LIPS
 from ..face.template import PARTS
+from ..face.wrinkles import LIPS
 from ..geometry.alignment import similarity
 from ..sketch import FEATURES, SILHOUETTE
 from .obj import read_obj, read_registered, unrefined_template

@@ -9,8 +9,8 @@ from scipy.spatial import KDTree
 
 from ..geometry.deformation_transfer import DeformationTransfer
 from ..sketch import FEATURES
-from .drawing import LIPS
 from .template import PARTS, Template
+from .wrinkles import LIPS
 
 POWERS = (0.0, 0.15, 0.3, 0.45)  # of the curvature, by level; the first level is the head as it is
 LEVELS = len(POWERS)

@@ -13,7 +13,7 @@ import trimesh
 from ..files.whole import whole
 from ..geometry.finite import check_finite
 from ..geometry.picture import picture
-from ..geometry.view import CANVAS_MM, View
+from ..geometry.view import View
 from ..sketch import Sketch
 from .drawing import draw
 
@@ -114,7 +114,7 @@ class Face:
         Parameters
         ----------
         view : View or str
-            A preset by its name is a little further away, to show the neck too.
+            One by its name is of the whole head; see `View.of_head`.
         size : int
             Pixels a side.
         colors : (V, 3) array, optional
@@ -126,7 +126,7 @@ class Face:
             If there is not one colour for each vertex, or the size is not between 1 and 4,096.
         """
         if isinstance(view, str):
-            view = View(View.preset(view).rotation, 0.88 / CANVAS_MM, np.array([0.5, 0.47]))
+            view = View.of_head(view)
         shown = self.colors if colors is None else np.asarray(colors)
         if shown.shape != self.vertices.shape:
             raise ValueError(f"this head takes colours {self.vertices.shape}; given an array of shape {shown.shape}")

@@ -19,11 +19,10 @@ from ..geometry.finite import check_finite
 from ..sketch import FEATURES, SILHOUETTE
 from .appearance import vertex_colors
 from .bilinear import Bilinear, fit
-from .drawing import LIPS
 from .face import Face
 from .handles import CurveHandles
 from .template import Template
-from .wrinkles import Wrinkles
+from .wrinkles import LIPS, Wrinkles
 
 FORMAT = "sketchwidget face model 2"
 _CURVE = "curve."

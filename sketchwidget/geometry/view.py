@@ -8,6 +8,8 @@ import numpy as np
 
 CANVAS_MM = 250.0  # millimetres to the canvas unit: a 200 mm face height is 0.8 of the canvas
 
+_SMALLER, _HIGHER = 0.88, 0.03  # a head in a picture than in the canonical frame; see `View.of_head`
+
 _YAW = {"front": 0.0, "left": -90.0, "right": 90.0, "three-quarter": -40.0}  # degrees about y
 
 
@@ -53,6 +55,14 @@ class View:
         if name not in _YAW:
             raise ValueError(f"a view is one of {', '.join(_YAW)}; given {name!r}")
         return cls(rotation_about_y(_YAW[name]))
+
+    @classmethod
+    def of_head(cls, name: str) -> View:
+        """A named view of the whole head, for pictures: as `preset` has it, but smaller and higher, so that necks fit.
+
+        The canonical frame has the face in its middle: the neck of the mean head ends below it.
+        """
+        return cls(cls.preset(name).rotation, _SMALLER / CANVAS_MM, np.array([0.5, 0.5 - _HIGHER]))
 
     def project(self, points: np.ndarray) -> np.ndarray:
         """Points in millimetres (..., 3) as canvas points (..., 2)."""

@@ -12,7 +12,7 @@ import numpy as np
 
 from ..files import textfile
 from .names import COLOURS, UNNAMED, kind
-from .raster import THICKNESS, rasterise
+from .raster import THICKNESS, paint, rasterise
 from .stroke import as_points, as_stroke
 
 MAX_STROKES = 20_000
@@ -158,6 +158,11 @@ class Sketch:
     def image(self, size: int = 256) -> np.ndarray:
         """The sketch as a binary image (size, size), True where there is ink."""
         return rasterise([segment.points for segment in self.segments], size)
+
+    def picture(self, size: int = 256) -> np.ndarray:
+        """The sketch on white paper (size, size, 3) uint8, each line in the colour of its kind."""
+        colours = [COLOURS[kind(segment.name)] for segment in self.segments]
+        return paint([segment.points for segment in self.segments], colours, size)
 
     def svg(self) -> str:
         """The sketch as an SVG picture of the canvas, each line in the colour of its kind."""

@@ -11,10 +11,10 @@ from scipy import sparse
 from tqdm import tqdm
 
 from ..database.database import FaceDatabase
-from ..face.drawing import LIPS
 from ..face.exaggeration import LEVELS
 from ..face.model import FaceModel
 from ..face.template import PARTS
+from ..face.wrinkles import LIPS
 from ..files.kept import keep, kept
 from ..sketch import FEATURES, SILHOUETTE
 

@@ -7,7 +7,8 @@ from enum import StrEnum
 
 import numpy as np
 
-from ..face.drawing import LIPS, outline, split_line
+from ..face.drawing import outline, split_line
+from ..face.wrinkles import LIPS
 from ..inference.framing import Frame
 from ..inference.shape_code import COUNTS, LINES, sample
 from ..sketch import SILHOUETTE, WRINKLE, Segment, Sketch, rasterise

@@ -65,11 +65,10 @@ def wrinkle_maps(examples: Sequence[tuple[Sketch, Face, Face]], most: float = 3.
     """
     rows = []
     for sketch, with_lines, without in examples:
-        paper = np.repeat(np.where(sketch.image(_SIZE), 0, 255).astype(np.uint8)[..., None], 3, axis=2)
         distance = np.linalg.norm(with_lines.vertices - without.vertices, axis=1)[skin_of(with_lines.model)]
         heads = [face.picture("front", _SIZE) for face in (with_lines, without)]
         title = f"sketch; head with and without wrinkle lines; difference {distance.mean():.2f} mm"
-        rows.append(_titled(title, np.hstack([paper, *heads, on_head(with_lines, distance, most)])))
+        rows.append(_titled(title, np.hstack([sketch.picture(_SIZE), *heads, on_head(with_lines, distance, most)])))
     return np.vstack([*rows, _bar(rows[0].shape[1], most)])
 
 

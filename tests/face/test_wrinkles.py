@@ -5,8 +5,7 @@ import pytest
 from scipy.spatial import KDTree
 
 from sketchwidget.face import PARTS
-from sketchwidget.face.drawing import LIPS
-from sketchwidget.face.wrinkles import region
+from sketchwidget.face.wrinkles import LIPS, region
 from sketchwidget.geometry import CANVAS_MM, View, rotation_about_y
 from sketchwidget.sketch import SILHOUETTE, WRINKLE, arc_length
 

@@ -47,3 +47,9 @@ def test_bad_views_are_refused(arguments, complaint):
 def test_unknown_preset_is_named():
     with pytest.raises(ValueError, match="'back'"):
         View.preset("back")
+
+
+@pytest.mark.parametrize("name", ["front", "left", "right", "three-quarter"])
+def test_a_view_of_the_head_has_room_for_its_neck(model, name):
+    head, canonical = View.of_head(name).project(model.mean), View.preset(name).project(model.mean)
+    assert head.min() > 0.05 and head.max() < 0.95 < canonical.max()

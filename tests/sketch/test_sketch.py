@@ -123,6 +123,17 @@ def test_the_image_is_square_and_has_the_ink(face):
     assert image[32, 32]
 
 
+def test_a_picture_has_each_line_in_the_colour_of_its_kind():
+    across = np.array([[0.2, 0.25], [0.8, 0.25]])
+    sketch = Sketch((Segment("nose", across), Segment("wrinkle", across + np.array([0, 0.5]))))
+    picture = sketch.picture(500)
+    assert picture.shape == (500, 500, 3) and picture.dtype == np.uint8
+    np.testing.assert_array_equal(picture[[125, 375, 250], 250], [[0x1F, 0x5F, 0xD0], [0, 0, 0], [255, 255, 255]])
+    inked = (picture < 255).any(axis=2)
+    assert inked[sketch.image(500)].all() and not inked[[0, -1]].any()
+    np.testing.assert_array_equal(Sketch().picture(8), np.full((8, 8, 3), 255))
+
+
 def test_svg_has_each_segment_in_the_colour_of_its_kind(face):
     lines = ElementTree.fromstring(face.svg()).findall(".//{*}polyline")
     kinds = ["feature", "silhouette", "feature", "wrinkle"]

@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 from scipy.ndimage import binary_dilation
 
-from sketchwidget.face.drawing import LIPS, split_line
+from sketchwidget.face.drawing import split_line
+from sketchwidget.face.wrinkles import LIPS
 from sketchwidget.geometry import View
 from sketchwidget.inference.framing import Frame
 from sketchwidget.inference.shape_code import COUNTS, LINES, sample, sample_indices, split_lines
