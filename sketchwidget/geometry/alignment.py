@@ -20,6 +20,11 @@ def similarity(points: np.ndarray, target: np.ndarray) -> tuple[float, np.ndarra
     translation : (3,) array
         ``scale * points @ rotation.T + translation`` is nearest to ``target``.
 
+    Raises
+    ------
+    ValueError
+        If they are no two arrays of one shape.
+
     References
     ----------
     Umeyama, "Least-squares estimation of transformation parameters between two point patterns", 1991.

@@ -97,11 +97,23 @@ class DeformationRepresentation:
         return np.linalg.solve(covariance, spread.transpose(0, 2, 1)).transpose(0, 2, 1)
 
     def encode(self, vertices: np.ndarray) -> Deformation:
-        """The differences of a mesh (n, 3) that was brought onto the reference by a rigid motion (equation 3)."""
+        """The differences of a mesh (n, 3) that was brought onto the reference by a rigid motion (equation 3).
+
+        Raises
+        ------
+        ValueError
+            As `aligned` does.
+        """
         return polar(self.gradients(self.aligned(vertices)))
 
     def aligned(self, vertices: np.ndarray) -> np.ndarray:
-        """A mesh (n, 3) moved rigidly to where it is nearest to the reference."""
+        """A mesh (n, 3) moved rigidly to where it is nearest to the reference.
+
+        Raises
+        ------
+        ValueError
+            If it has not as many vertices as the reference, or one is not finite.
+        """
         vertices = np.asarray(vertices, dtype=np.float64)
         shape = self.reference.shape
         check_finite(vertices, shape, f"a mesh of this topology has finite vertices {shape}", "vertex")

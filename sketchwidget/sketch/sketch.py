@@ -30,7 +30,7 @@ class Segment:
     Parameters
     ----------
     name : str
-        The line it belongs to, one of `LINE_NAMES`.
+        The line it belongs to, one of `LINE_NAMES` or of those that `register_line` added.
     points : (n, 2) array
         Canvas points, kept as float32 and not writeable; one point is a dot.
 
