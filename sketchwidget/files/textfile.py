@@ -55,5 +55,5 @@ def write(path: str | os.PathLike[str], text: str) -> None:
         raise ValueError(
             f"{path}: {len(content):,} bytes are more than the {MAX_BYTES // 2**20} MB that can be read back"
         )
-    with whole(path) as unfinished:
+    with whole(path, synced=False) as unfinished:  # sessions are written with every stroke
         unfinished.write_bytes(content)

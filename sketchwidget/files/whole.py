@@ -9,11 +9,18 @@ from pathlib import Path
 
 
 @contextmanager
-def whole(path: str | os.PathLike[str]) -> Iterator[Path]:
+def whole(path: str | os.PathLike[str], synced: bool = True) -> Iterator[Path]:
     """A path to write what is to become a file: a crash or a full disk leaves a former one as it was.
 
-    It is beside the file, so that one step puts it in the file's place once the block ends, on the disk by then. If the
-    block raises, it goes.
+    It is beside the file, so that one step puts it in the file's place once the block ends. If the block raises, it
+    goes.
+
+    Parameters
+    ----------
+    path : path-like
+    synced : bool
+        Whether to wait until it is on the disk, which a network's disk may take long for: a failure of the power, too,
+        leaves a whole file then.
 
     Raises
     ------
@@ -29,8 +36,9 @@ def whole(path: str | os.PathLike[str]) -> Iterator[Path]:
     unfinished = path.with_name(f".{path.name}.{os.getpid()}.part")
     try:
         yield unfinished
-        with open(unfinished, "rb+") as file:
-            os.fsync(file.fileno())
+        if synced:
+            with open(unfinished, "rb+") as file:
+                os.fsync(file.fileno())
         os.replace(unfinished, path)
     except BaseException as error:
         unfinished.unlink(missing_ok=True)
