@@ -67,7 +67,7 @@ def resample_each(lines: Sequence[np.ndarray], n: int) -> np.ndarray:
     return resampled.astype(np.float32)
 
 
-def lengths(lines: Sequence[np.ndarray]) -> np.ndarray:
+def lengths(lines: Sequence[np.ndarray] | np.ndarray) -> np.ndarray:
     """Lengths (k,) of polylines; thousands cost hardly more than one."""
     if not len(lines):
         return np.empty(0)
@@ -75,7 +75,9 @@ def lengths(lines: Sequence[np.ndarray]) -> np.ndarray:
     return along[last] - along[first]
 
 
-def _one_behind_the_other(lines: Sequence[np.ndarray]) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+def _one_behind_the_other(
+    lines: Sequence[np.ndarray] | np.ndarray,
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     """Points (n, 2) of k lines, where each begins (k,) and ends (k,), and the way (n,) along all of them to each point.
 
     From one line to the next it is a canvas unit.
