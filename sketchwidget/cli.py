@@ -2,8 +2,8 @@
 
 A command imports what it runs when it runs, so that `sketchwidget --help` answers at once. A group of commands is a
 `typer.Typer` of its own, imported here and added by `main.add_typer(group, name=...)`; its module must be as light.
-What a user can mend ends in `fail`: a ValueError or OSError of any command, or a package that is missing. Commands that
-are stopped say whether they go on from there.
+What a user can mend ends in `fail`: a ValueError or OSError of any command, or a package that is missing. A command
+that goes on where it was stopped is a `Resumable`, and says so when that happens.
 """
 
 from __future__ import annotations
@@ -22,10 +22,8 @@ import typer
 from typer.core import TyperGroup
 
 from sketchwidget import __version__
-from sketchwidget.database.commands import database, drawings
+from sketchwidget.database.commands import Resumable, database, drawings
 from sketchwidget.training.commands import evaluate, train
-
-_RESUMABLE = ("database", "train")
 
 
 class _Commands(TyperGroup):
@@ -33,9 +31,8 @@ class _Commands(TyperGroup):
         """Run a command; what a user can mend ends in a message and a non-zero status."""
         try:
             return super().invoke(ctx)
-        except KeyboardInterrupt:
-            kept = "; the same command goes on from what is finished" if ctx.invoked_subcommand in _RESUMABLE else ""
-            typer.echo(f"sketchwidget: stopped{kept}", err=True)
+        except KeyboardInterrupt as stop:
+            typer.echo(f"sketchwidget: {'; '.join(['stopped', *stop.args])}", err=True)
             raise typer.Exit(130) from None
         except ModuleNotFoundError as error:
             fail(f"{error.name} is missing: pip install 'sketchwidget[database]'")
@@ -51,7 +48,7 @@ main = typer.Typer(
 )
 main.add_typer(train, name="train")
 main.add_typer(drawings, name="drawings")
-main.command()(database)
+main.command(cls=Resumable)(database)
 main.command()(evaluate)
 
 

@@ -71,14 +71,28 @@ def test_bad_use_ends_with_a_message(arguments, complaint):
     assert "Traceback" not in result.stderr
 
 
-def test_a_build_that_is_stopped_says_that_it_goes_on(monkeypatch, tmp_path):
-    def interrupted(*_):
+@pytest.mark.parametrize(
+    ("arguments", "within", "goes_on"),
+    [
+        (["database", "--preset", "tiny", "--out", "faces"], "database.build.build", True),
+        (["train", "network", "faces", "--out", "network"], "training.commands._pipeline", True),
+        (["train", "portraits", "--out", "portraits"], "face.model.FaceModel.load", True),
+        (["train", "face", "faces", "--out", "face"], "database.database.FaceDatabase.open", False),
+        (["train", "avatar", "--out", "avatar"], "training.avatar_template.build_template", False),
+        (["train", "gestures", "--out", "gestures"], "training.gestures.train", False),
+        (["evaluate", "faces"], "training.commands._pipeline", False),
+    ],
+)
+def test_a_command_that_is_stopped_says_whether_it_goes_on(monkeypatch, tmp_path, arguments, within, goes_on):
+    def interrupted(*_, **__):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("sketchwidget.database.build.build", interrupted)
-    result = run("database", "--preset", "tiny", "--out", str(tmp_path / "faces"))
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(f"sketchwidget.{within}", interrupted)
+    result = run(*arguments)
     assert result.exit_code == 130
-    assert result.stderr == "sketchwidget: stopped; the same command goes on from what is finished\n"
+    kept = "; the same command goes on from what is finished" if goes_on else ""
+    assert result.stderr == f"sketchwidget: stopped{kept}\n"
 
 
 def test_port_in_use_ends_with_a_message():

@@ -7,12 +7,25 @@ import sys
 import warnings
 from enum import StrEnum
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
+from typer.core import TyperCommand
 
 if TYPE_CHECKING:
     from .source import FaceSource
+
+
+class Resumable(TyperCommand):
+    """A command that keeps what is finished, and goes on from there when it is started again: stopped, it says so."""
+
+    def invoke(self, ctx: Any) -> Any:
+        """Run the command."""
+        try:
+            return super().invoke(ctx)
+        except KeyboardInterrupt:
+            raise KeyboardInterrupt("the same command goes on from what is finished") from None
+
 
 drawings = typer.Typer(help="Drawings of known heads, as people made them.", no_args_is_help=True)
 

@@ -9,6 +9,8 @@ from typing import Annotated
 
 import typer
 
+from ..database.commands import Resumable
+
 train = typer.Typer(help="Rebuild what is shipped: the face model, then the network.", no_args_is_help=True)
 
 Database = Annotated[Path, typer.Argument(help="A database of faces, as `sketchwidget database` builds.")]
@@ -36,7 +38,7 @@ def face(
     )
 
 
-@train.command()
+@train.command(cls=Resumable)
 def portraits(
     out: Annotated[Path, typer.Option(help="File to write.")],
     steps: Annotated[int, typer.Option(min=2, help="Batches of 32 portraits.")] = 1_200,
@@ -97,7 +99,7 @@ def avatar(out: Annotated[Path, typer.Option(help="File to write.")]) -> None:
     typer.echo(f"{out}: {len(template.actions)} expressions, {out.stat().st_size / 1e6:.1f} MB")
 
 
-@train.command()
+@train.command(cls=Resumable)
 def network(
     database: Database,
     out: Annotated[Path, typer.Option(help="File to write.")],
