@@ -21,7 +21,7 @@ from .head_view import HeadView
 from .ink import TOOLS
 from .keyboard import Keyboard
 from .pad import Pad
-from .status import Status
+from .status import Status, counted
 
 SEEN_FROM = {"front": "The head from the front", "left": "The head from its left side"}
 TASK = "Draw the head as you see it"
@@ -97,7 +97,7 @@ class DrawingCollector(VBox):
         self._status.say(self._expected)
 
     def __repr__(self) -> str:
-        return f"DrawingCollector({str(self._path)!r}: {_count(self._kept)})"
+        return f"DrawingCollector({str(self._path)!r}: {counted(self._kept, 'drawing')} kept)"
 
     def _layout(self) -> list[Any]:
         tools = toolbar.choice(*TOOLS)
@@ -124,7 +124,7 @@ class DrawingCollector(VBox):
             self._head.show(self._face, FRAME)
         self._pad.invitation = NO_MORE if self._face is None else TASK
         self._pad.show(self._draft.sketch)
-        self._counter.value = _count(self._kept)
+        self._counter.value = f"{counted(self._kept, 'drawing')} kept"
         toolbar.set_useful(self._undo, self._draft.can_undo or self._can_go_back)
         toolbar.set_useful(self._redo, self._draft.can_redo)
         toolbar.set_useful(self._clear, bool(self._draft.strokes))
@@ -134,7 +134,7 @@ class DrawingCollector(VBox):
     @property
     def _expected(self) -> str:
         if self._face is None:
-            return f"{NO_MORE}. {_count(self._kept)} in {self._path.name}."
+            return f"{NO_MORE}. {counted(self._kept, 'drawing')} kept in {self._path.name}."
         return "Keep the drawing once it is done." if self._draft.strokes else f"{TASK}, or skip it."
 
     @property
@@ -232,7 +232,3 @@ def _not_yet_drawn(faces: Iterable[Face], drawn: Counter[tuple[bytes, bytes, str
 def _key(weights: Weights) -> tuple[bytes, bytes, str]:
     identity, expression, model = weights
     return identity.tobytes(), expression.tobytes(), model
-
-
-def _count(drawings: int) -> str:
-    return f"{drawings or 'No'} drawing{'' if drawings == 1 else 's'} kept"

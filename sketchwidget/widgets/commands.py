@@ -1,4 +1,4 @@
-"""What the Studio and the collector can be told to do: one table of commands, each with its icon, key and tooltip."""
+"""What the Studio and the collectors can be told to do: one table of commands, each with its icon, key and tooltip."""
 
 from __future__ import annotations
 
@@ -75,6 +75,7 @@ COMMANDS = {
         Command("glb", "Export the head as GLB", ("b",), "download", "GLB"),
         Command("keep", "Keep the drawing and go on to the next head", ("k",), "check", "keep and next"),
         Command("skip", "Go on to the next head without a drawing", ("n",), "forward", "skip"),
+        Command("pass", "Ask for another gesture", ("j",), "forward", "skip"),
     )
 }
 

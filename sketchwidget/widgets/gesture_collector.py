@@ -18,7 +18,7 @@ from . import toolbar
 from .keyboard import Keyboard
 from .pad import Pad
 from .refining import chart
-from .status import Status
+from .status import Status, counted
 
 
 class GestureCollector(VBox):
@@ -57,9 +57,9 @@ class GestureCollector(VBox):
         self._recent = 0  # strokes of this sitting, which can be taken back
         self._pad, self._status = Pad(), Status()
         super().__init__()
-        self._undo, self._skip = toolbar.button("undo"), toolbar.button("skip")
+        self._undo, self._skip = toolbar.button("undo"), toolbar.button("pass")
         self._undo.on_click(lambda _: self._on_undo())
-        self._skip.on_click(lambda _: self._ask())
+        self._skip.on_click(lambda _: self._ask(self._asked))
         self._counter = Label().add_class("sketchwidget-mode")
         examples = HTML(chart()).add_class("sketchwidget-chart")
         title = Box([self._counter, toolbar.bar((self._undo, self._skip))]).add_class("sketchwidget-title")
@@ -71,24 +71,25 @@ class GestureCollector(VBox):
         self._ask()
 
     def __repr__(self) -> str:
-        return f"GestureCollector({str(self._path)!r}: {len(self._kept)} gestures kept)"
+        return f"GestureCollector({str(self._path)!r}: {counted(len(self._kept), 'gesture')} kept)"
 
     @property
     def asked(self) -> str:
         """The gesture to draw now."""
         return self._asked
 
-    def _ask(self) -> None:
-        """Ask for one of the gestures that were drawn least."""
+    def _ask(self, skipped: str = "") -> None:
+        """Ask for one of the gestures that were drawn least, but not at once for what was skipped."""
         drawn = Counter(recording.name for recording in self._kept)
-        fewest = min(drawn[name] for name in GESTURES)
-        self._asked = str(self._random.choice([name for name in GESTURES if drawn[name] == fewest]))
+        others = [name for name in GESTURES if name != skipped]
+        fewest = min(drawn[name] for name in others)
+        self._asked = str(self._random.choice([name for name in others if drawn[name] == fewest]))
         self._show(f"Draw: {self._asked}")
 
     def _show(self, *sentences: str) -> None:
         self._pad.invitation = f"Draw: {self._asked}"
         self._pad.show(Sketch())
-        self._counter.value = f"{len(self._kept)} gestures kept"
+        self._counter.value = f"{counted(len(self._kept), 'gesture')} kept"
         toolbar.set_useful(self._undo, self._recent > 0)
         self._status.say(*sentences)
 

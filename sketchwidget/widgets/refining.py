@@ -18,7 +18,7 @@ from ..session.behaviours import tools
 from . import toolbar
 from .head_view import HeadView
 from .refine_pad import BRUSHES, TOOLS, RefinePad
-from .status import Status
+from .status import Status, counted
 from .welcome import beyond
 
 EXPECTED = "Brush handles, then draw a gesture on the head; the right button turns it."
@@ -124,8 +124,7 @@ class Refining:
         if not len(marks):
             raise ValueError("the brush touched nothing of the head that deforms")
         changed = session.brush(marks, erase=tool == "unbrush")
-        count = len(session.handles)
-        return f"{count} handle{'' if count == 1 else 's'} marked" if changed else "No other handles"
+        return f"{counted(len(session.handles), 'handle')} marked" if changed else "No other handles"
 
     def _on_partial(self, points: np.ndarray, view: View) -> None:
         # What is no gesture yet may become one; between two loops of a roll the head stays as the first has made it.

@@ -90,6 +90,11 @@ def said(name: str) -> str:
     return "outline" if name == SILHOUETTE else name.replace("_", " ")
 
 
+def counted(number: int, thing: str) -> str:
+    """So many things, as people say it: none, one, or more of what is named by its singular."""
+    return f"{number or 'No'} {thing}{'' if number == 1 else 's'}"
+
+
 def sentence(error: BaseException) -> str:
     """What an exception says, as a sentence."""
     text = " ".join(str(error).split()) or type(error).__name__

@@ -43,11 +43,24 @@ def test_undo_takes_strokes_back_and_asks_again(path):
     assert "Nothing to undo" in collector._status.message
 
 
+def test_what_is_skipped_is_not_asked_for_at_once_and_comes_again(path):
+    collector = GestureCollector(path)
+    for _ in GESTURES[1:]:
+        draw(collector)
+    (last,) = set(GESTURES) - {recording.name for recording in FILE.read(path)}
+    assert collector.asked == last  # all others were drawn once
+    collector._skip.click()
+    assert collector.asked != last and len(FILE.read(path)) == len(GESTURES) - 1
+    assert collector.asked in collector._status.message and "gesture" in collector._skip.tooltip
+    draw(collector)
+    assert collector.asked == last
+
+
 def test_opened_again_it_goes_on(path):
     collector = GestureCollector(path)
     draw(collector)
     again = GestureCollector(path)
-    assert repr(again).endswith("1 gestures kept)") and again.asked != FILE.read(path)[0].name
+    assert repr(again).endswith("1 gesture kept)") and again.asked != FILE.read(path)[0].name
     again._undo.click()  # strokes of another sitting stay
     assert len(FILE.read(path)) == 1
 
