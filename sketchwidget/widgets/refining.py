@@ -6,6 +6,7 @@ from collections.abc import Callable
 from contextlib import suppress
 from typing import Any
 
+import igl
 import numpy as np
 from ipywidgets import HTML, jslink
 
@@ -119,7 +120,7 @@ class Refining:
                 return f"{name}: nothing to {EFFECTS[name]}"
             if name == LINE:
                 return "line: moves the handles" if len(session.handles) else "line: drags the outline"
-            return f"{name}: {EFFECTS[name]}" if name in EFFECTS else name
+            return told(name)
         marks = session.under_brush(points, self.pad.radius, view)
         if not len(marks):
             raise ValueError("the brush touched nothing of the head that deforms")
@@ -135,11 +136,13 @@ class Refining:
 
 
 def border_of(region: np.ndarray, faces: np.ndarray) -> np.ndarray:
-    """The edges (e, 2) int32 about the triangles of a region (V,) bool."""
-    inside = faces[region[faces].all(axis=1)]
-    sides = np.sort(inside[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)
-    edges, count = np.unique(sides, axis=0, return_counts=True)
-    return edges[count == 1].astype(np.int32)
+    """The edges (e, 2) about the triangles of a region (V,) bool."""
+    return np.asarray(igl.boundary_facets(faces[region[faces].all(axis=1)])[0])
+
+
+def told(name: str) -> str:
+    """A gesture and what it does; users' own ones have no word for that."""
+    return f"{name}: {EFFECTS[name]}" if name in EFFECTS else name
 
 
 def chart() -> str:
@@ -151,6 +154,6 @@ def _drawn(name: str) -> str:
     points = example(name, np.array([24, 24]), 40)
     path = " ".join(f"{x:.1f},{y:.1f}" for x, y in points)
     return (
-        f'<svg viewBox="0 0 48 48" role="img" aria-label="{name}"><title>{name}: {EFFECTS[name]}</title>'
+        f'<svg viewBox="0 0 48 48" role="img" aria-label="{name}"><title>{told(name)}</title>'
         f'<polyline points="{path}"/><circle cx="{points[0, 0]:.1f}" cy="{points[0, 1]:.1f}" r="2.4"/></svg>'
     )

@@ -7,7 +7,7 @@ from refining import about, drawn
 from sketchwidget import GESTURES, Session, Studio, View, register_gesture
 from sketchwidget.session import behaviours
 from sketchwidget.widgets.refine_pad import TOOLS, RefinePad
-from sketchwidget.widgets.refining import border_of, chart
+from sketchwidget.widgets.refining import EFFECTS, border_of, chart
 
 FRONT = View()
 
@@ -151,11 +151,21 @@ def test_a_tool_that_is_registered_has_a_button(studio, tools_restored):
 def test_the_border_of_two_triangles_is_their_outline():
     faces = np.array([[0, 1, 2], [1, 3, 2], [3, 4, 2]])
     region = np.array([True, True, True, True, False])
-    assert border_of(region, faces).tolist() == [[0, 1], [0, 2], [1, 3], [2, 3]]
+    assert sorted(sorted(edge) for edge in border_of(region, faces).tolist()) == [[0, 1], [0, 2], [1, 3], [2, 3]]
+    assert border_of(np.zeros(5, dtype=bool), faces).shape == (0, 2)
 
 
 def test_the_chart_shows_every_gesture():
     assert all(f"<figcaption>{name}</figcaption>" in chart() for name in GESTURES)
+
+
+def test_there_are_words_for_what_every_gesture_does():
+    assert set(EFFECTS) == set(GESTURES)
+
+
+def test_the_chart_shows_a_gesture_that_has_no_words_yet(monkeypatch):
+    monkeypatch.delitem(EFFECTS, "region")
+    assert "<title>region</title>" in chart() and "<title>line: moves" in chart()
 
 
 def test_a_message_of_no_kind_is_passed_over():
