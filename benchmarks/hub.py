@@ -49,7 +49,7 @@ PATIENCE = 120.0  # seconds, for any answer
 SPARE_MB = 1500  # of the machine's memory: with less than this left no kernel is added
 _MB = 2**20
 
-# As ink.js has it.
+# As pacing.js has it.
 PARTIAL_EVERY, REST = 1 / 15, 3
 
 BEGIN = """

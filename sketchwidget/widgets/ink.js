@@ -7,9 +7,7 @@
  * Sends   {type: "ready"} when the lines must be drawn: a view is shown; {type: "cancelled"} when a stroke was, and what
  *         it rubbed out or gave the head so far must go;
  *         {type: "stroke", stroke: id, tool, mirror} with one buffer: Float32 (n, 4) x, y, pressure, milliseconds.
- *         {type: "partial", stroke: id, mirror} with such a buffer: the pen's stroke so far. At most 15 a second, none before
- *         the last one was answered, and the longer that took, the fewer: a busy kernel never has a queue of them, and a slow page
- *         no more than it can draw. Where the pen rests, what was not sent yet follows.
+ *         {type: "partial", stroke: id, mirror} with such a buffer: the pen's stroke so far, as often as pacing.js says.
  * Takes   {type: "followed", stroke: id}: the kernel has answered a partial stroke;
  *         {type: "dry", stroke: id}: the kernel has answered that stroke, and drawn what has become of it.
  * Class   "sketchwidget-drawing" on the pad's element while the pen is down.
@@ -26,9 +24,6 @@ const CANVAS_EVENTS = [
 ];
 // Browsers hold pointermove back until the next frame; the raw event comes at once, where there is one.
 const MOVED = "onpointerrawupdate" in window ? "pointerrawupdate" : "pointermove";
-const PARTIAL_EVERY = 1000 / 15; // milliseconds
-const REST = 3; // times what an answer takes until it is on screen: so long, at least, from one to the next, or the end of a stroke would wait
-const LONGEST_REST = 1000; // milliseconds: a kernel that was busy once is asked again
 const PEN_ERASER_BUTTON = 32; // PointerEvent.buttons of a stylus turned over
 
 const clamp = (value) => Math.min(1, Math.max(0, value));
@@ -111,10 +106,6 @@ async function render({ model, el }) {
   const waiting = new Map(); // id -> a stroke sent and not yet answered
   let frame = 0;
   let since = null;
-  let asked = null; // the stroke of which a part waits for its answer
-  let lastAsked = 0;
-  let took = 0; // milliseconds that the last answer took
-  let later = 0; // the timer of what could not be sent yet
 
   function style(ctx, tool) {
     ctx.lineCap = ctx.lineJoin = "round";
@@ -184,23 +175,14 @@ async function render({ model, el }) {
     });
   }
 
-  /** Sends the stroke so far, if that is wanted, as soon as the kernel has time for it. */
-  function ask() {
-    clearTimeout(later);
-    if (!model.get("live") || asked !== null || stroke?.tool !== 0 || stroke.points.length === stroke.sent) return;
-    const rest = Math.max(PARTIAL_EVERY, Math.min(REST * took, LONGEST_REST));
-    const wait = lastAsked + rest - performance.now();
-    if (wait > 0) {
-      later = setTimeout(ask, wait);
-      return;
-    }
+  const pace = paced(() => {
+    if (!model.get("live") || stroke?.tool !== 0 || stroke.points.length === stroke.sent) return null;
     const points = onPad(stroke.points);
-    if (points.length < 2) return;
-    asked = stroke.id;
-    lastAsked = performance.now();
+    if (points.length < 2) return null;
     stroke.sent = stroke.points.length;
     model.send({ type: "partial", stroke: stroke.id, mirror: stroke.mirror }, undefined, [Float32Array.from(points.flat()).buffer]);
-  }
+    return stroke.id;
+  });
 
   function moveRing(event) {
     const box = pad.getBoundingClientRect();
@@ -245,7 +227,7 @@ async function render({ model, el }) {
     if (event.buttons === 0) up(event); // the release happened where no page could see it
     else {
       add(event);
-      ask();
+      pace.ask();
     }
   }
 
@@ -273,12 +255,8 @@ async function render({ model, el }) {
   }
 
   function answer(message) {
-    if (message.type !== "followed") dry(message);
-    else if (message.stroke === asked) shown(() => {
-      asked = null;
-      took = performance.now() - lastAsked;
-      ask();
-    });
+    if (message.type === "followed") pace.answered(message.stroke);
+    else dry(message);
   }
 
   function dry(message) {
@@ -288,11 +266,6 @@ async function render({ model, el }) {
       waiting.delete(message.stroke);
       repaint();
     });
-  }
-
-  /** Calls back once what came with a message is on screen. */
-  function shown(then) {
-    requestAnimationFrame(() => requestAnimationFrame(then));
   }
 
   function fit() {
@@ -335,7 +308,7 @@ async function render({ model, el }) {
   model.send({ type: "ready" });
 
   return () => {
-    clearTimeout(later);
+    pace.stop();
     sizes.disconnect();
     window.removeEventListener("resize", fit);
     model.off("msg:custom", answer);

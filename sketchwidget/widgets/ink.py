@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from pathlib import Path
 from typing import Any
 
 import anywidget
@@ -11,6 +10,8 @@ import numpy as np
 import traitlets
 from ipycanvas import MultiCanvas
 from ipywidgets import CallbackDispatcher, widget_serialization
+
+from .pacing import paced
 
 TOOLS = ("pen", "eraser")
 
@@ -27,7 +28,7 @@ class Ink(anywidget.AnyWidget):
         The layers, square, seen as the unit square. The browser keeps its size at the pixels it covers on screen.
     """
 
-    _esm = Path(__file__).parent / "ink.js"
+    _esm = paced("ink.js")
 
     canvas = traitlets.Instance(MultiCanvas).tag(sync=True, **widget_serialization)
     tool = traitlets.Int(0, min=0, max=len(TOOLS) - 1, help="index into TOOLS").tag(sync=True)
@@ -60,7 +61,7 @@ class Ink(anywidget.AnyWidget):
     def on_partial(self, callback: Callable[[np.ndarray, bool], None]) -> None:
         """Call ``callback(points, mirror)`` for what there is of a pen's stroke that is still being drawn.
 
-        At most 15 times a second, only if `live`, and never while an earlier call has not returned.
+        At most 15 times a second, only if `live`, and never while an earlier call has not returned; see ``pacing.js``.
         """
         self._partial_callbacks.register_callback(callback)
 

@@ -4,9 +4,10 @@
  *         canvas units (the view of the head is the unit square, y down).
  * Sends   {type: "ready"} when the marks must be sent;
  *         {type: "stroke" | "partial", stroke: id, tool, view: {rotation, scale, centre}} with one buffer: Float32 (n, 4) x, y,
- *         pressure, milliseconds. `view` is how the head was seen when the stroke began. A partial one is a gesture so far; none
- *         is sent before the last was answered.
- * Takes   {type: "answer", stroke: id, text, good}: a stroke was answered; its ink goes, and the text, if any, flashes beside it;
+ *         pressure, milliseconds. `view` is how the head was seen when the stroke began. A partial one is a gesture so far, sent
+ *         as often as pacing.js says.
+ * Takes   {type: "answer", stroke: id, text, good, partial}: a stroke was answered; its ink goes, unless it is a partial one, and the text, if any,
+ *         flashes beside it;
  *         {type: "marks"} with two buffers: Int32 handles (h), and Int32 edges (e, 2) of the region's border.
  * Class   "sketchwidget-drawing" on the head's element while the pen is down, "sketchwidget-refining" while the pad is active.
  *
@@ -15,7 +16,7 @@
 
 const [GESTURE, BRUSH, UNBRUSH, ORBIT] = [0, 1, 2, 3];
 const FLASH = 1800; // milliseconds
-const PARTIAL_EVERY = 1000 / 15;
+const FEWEST = 8; // points of a gesture so far: fewer are none yet
 const CELLS = 200; // a side, in which what hides the marks is looked up
 const BEHIND = 3; // millimetres behind the surface: what is deeper is hidden
 const DOT = 0.005; // a side of a handle, in canvas units
@@ -45,10 +46,8 @@ function render({ model, el }) {
   flash.className = "sketchwidget-flash";
   let host = null;
   let count = 0;
-  let stroke = null; // the one being drawn: {id, pointer, tool, view, points, start}
+  let stroke = null; // the one being drawn: {id, pointer, tool, view, points, sent, start}
   let last = null; // the one that was sent, until it is answered
-  let asked = null; // the stroke of which a part waits for its answer
-  let lastAsked = 0;
   let handles = new Int32Array();
   let border = new Int32Array();
   let drawn = "";
@@ -162,6 +161,13 @@ function render({ model, el }) {
   const message = (type, { id, tool, view, points }) =>
     model.send({ type, stroke: id, tool, view }, undefined, [Float32Array.from(points.flat()).buffer]);
 
+  const pace = paced(() => {
+    if (stroke?.tool !== GESTURE || stroke.points.length < FEWEST || stroke.points.length === stroke.sent) return null;
+    stroke.sent = stroke.points.length;
+    message("partial", stroke);
+    return stroke.id;
+  });
+
   function add(event) {
     const samples = event.getCoalescedEvents?.() ?? [];
     for (const one of samples.length ? samples : [event]) stroke.points.push([...point(one), one.pressure, one.timeStamp - stroke.start]);
@@ -176,7 +182,7 @@ function render({ model, el }) {
     host.setPointerCapture(event.pointerId);
     host.focus({ preventScroll: true });
     host.classList.add("sketchwidget-drawing");
-    stroke = { id: `${page}-${count++}`, pointer: event.pointerId, tool: model.get("tool"), points: [], start: event.timeStamp,
+    stroke = { id: `${page}-${count++}`, pointer: event.pointerId, tool: model.get("tool"), points: [], sent: 0, start: event.timeStamp,
       view: viewOf(host.sketchwidget.camera) };
     add(event);
   }
@@ -184,12 +190,11 @@ function render({ model, el }) {
   function move(event) {
     if (event.pointerId !== stroke?.pointer) return;
     event.stopImmediatePropagation();
-    add(event);
-    const now = performance.now();
-    if (stroke.tool !== GESTURE || asked !== null || now - lastAsked < PARTIAL_EVERY || stroke.points.length < 8) return;
-    asked = stroke.id;
-    lastAsked = now;
-    message("partial", stroke);
+    if (event.buttons === 0) up(event); // the release happened where no page could see it
+    else {
+      add(event);
+      pace.ask();
+    }
   }
 
   function up(event) {
@@ -229,8 +234,8 @@ function render({ model, el }) {
       [handles, border] = buffers.map((one) => new Int32Array(one.buffer.slice(one.byteOffset, one.byteOffset + one.byteLength)));
       drawn = "";
     } else if (said.type === "answer") {
-      if (said.stroke === asked) asked = null;
-      if (said.stroke !== last?.id || said.partial) return;
+      if (said.partial) pace.answered(said.stroke);
+      if (said.partial || said.stroke !== last?.id) return;
       const [x, y] = last.points[last.points.length - 1];
       last = null;
       show(said, x, y);
@@ -258,7 +263,10 @@ function render({ model, el }) {
     if (active && !frame) watch();
   }
 
-  const LISTENERS = { pointerdown: down, pointermove: move, pointerup: up, pointercancel: cancel, touchstart: touch, touchmove: touch, mousedown: press };
+  const LISTENERS = {
+    pointerdown: down, pointermove: move, pointerup: up, lostpointercapture: up, pointercancel: cancel,
+    touchstart: touch, touchmove: touch, mousedown: press,
+  };
 
   /** The head's view comes in its own time. */
   function attach() {
@@ -279,6 +287,7 @@ function render({ model, el }) {
   model.on("change:active change:tool", activate);
 
   return () => {
+    pace.stop();
     cancelAnimationFrame(waiting);
     cancelAnimationFrame(frame);
     for (const [type, listener] of Object.entries(LISTENERS)) host?.removeEventListener(type, listener, { capture: true });

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from pathlib import Path
 from typing import Any
 
 import anywidget
@@ -13,6 +12,7 @@ from ipywidgets import CallbackDispatcher
 
 from ..geometry import View
 from ..session.behaviours import PEN_TOOLS as TOOLS
+from .pacing import paced
 
 BRUSHES = ("brush", "unbrush")
 
@@ -23,7 +23,7 @@ class RefinePad(anywidget.AnyWidget):
     It has no place of its own on the page. The message format is in ``refine_pad.js``.
     """
 
-    _esm = Path(__file__).parent / "refine_pad.js"
+    _esm = paced("refine_pad.js")
 
     tool = traitlets.Int(0, min=0, help="index into tools").tag(sync=True)
     active = traitlets.Bool(False, help="whether the pad takes the pointer").tag(sync=True)

@@ -132,6 +132,48 @@ def test_a_finger_and_a_pen_brush_and_draw_gestures_and_do_not_turn_the_head(stu
     assert studio.camera() == camera
 
 
+def hold(studio, points):
+    """Draw with the mouse over the head, and keep the button down."""
+    first, *others = studio._on_head(points)
+    studio.page.mouse.move(**first)
+    studio.page.mouse.down()
+    for place in others:
+        studio.page.mouse.move(**place)
+
+
+def test_the_head_follows_a_gesture_up_to_where_the_pen_rests(studio, model):
+    start(studio)
+    before, tip = studio.positions(), model.landmarks[NOSE]
+    nose = View().project(before[tip])
+    act(studio, "h", stroke(nose, nose + 0.005), "handles marked")
+    studio.press("d")
+    way = np.array([0, 0.06])
+    hold(studio, nose + np.linspace(0, 1, 30)[:, None] * way)
+    far = way[1] / View().scale  # mm
+    until(
+        lambda: before[tip, 1] - studio.positions()[tip, 1], lambda down: abs(down - far) < 0.5, "a nose under the pen"
+    )
+    studio.page.evaluate("window.flashes = []")
+    studio.page.mouse.up()
+    until(lambda: flash(studio), lambda said: "line" in said, "the flash of the line")
+    act(studio, "d", drawn("left arrow", nose, 0.2), "left arrow")
+    until(lambda: np.abs(studio.positions() - before).max(), lambda moved: moved < 1e-3, "the nose of before")
+
+
+def test_a_button_that_was_let_go_unseen_ends_the_stroke(studio, model):
+    start(studio)
+    nose = View().project(studio.positions()[model.landmarks[NOSE]])
+    studio.press("h")
+    studio.page.evaluate("window.flashes = []")
+    hold(studio, [nose, nose + 0.01])
+    (place,) = studio._on_head([nose + 0.02])
+    screen = studio.page.context.new_cdp_session(studio.page)
+    screen.send("Input.dispatchMouseEvent", {"type": "mouseMoved", "buttons": 0, **place})
+    until(lambda: flash(studio), lambda said: "handles marked" in said, "the flash of the brush")
+    screen.detach()
+    studio.page.mouse.up()
+
+
 def test_handles_that_the_head_hides_do_not_show_through(studio, model):
     start(studio)
     act(studio, "h", stroke(*[View().project(studio.positions()[model.landmarks[at]]) for at in (36, 31)]), "marked")
