@@ -15,7 +15,7 @@ from .ink import Ink
 
 LINE_WIDTH = 0.005  # canvas units: 2.4 pixels on a pad of 480
 GHOST_COLOUR = "#b0d4cf"  # opaque, as its lines overlap where they meet
-OPEN_END_COLOUR, OPEN_END_RADIUS = "#0d8377", 0.009  # the Studio's accent; canvas units
+OPEN_END_COLOUR, OPEN_END_RADIUS = "#0d8377", 0.009  # theme.css's mark; canvas units
 PIECE_POINTS = 24  # of what the eraser takes whole, when it is marked
 START_SIZE = 256  # pixels, until a page says how many it shows
 INVITATION = "Draw the outline of a face"

@@ -20,7 +20,6 @@ const FEWEST = 8; // points of a gesture so far: fewer are none yet
 const CELLS = 200; // a side, in which what hides the marks is looked up
 const BEHIND = 3; // millimetres behind the surface: what is deeper is hidden
 const DOT = 0.005; // a side of a handle, in canvas units
-const HANDLE = "#0b8f7f";
 const REGION = "#c2410c";
 const INK = "#444444";
 
@@ -125,18 +124,19 @@ function render({ model, el }) {
       ctx.lineTo(bx * size, by * size);
     }
     ctx.stroke();
-    ctx.fillStyle = HANDLE;
+    const colour = getComputedStyle(host).getPropertyValue("--sw-mark");
+    ctx.fillStyle = colour;
     for (const vertex of handles) {
       const [x, y, seen] = project(vertex);
       if (seen) ctx.fillRect((x - DOT / 2) * size, (y - DOT / 2) * size, DOT * size, DOT * size);
     }
-    for (const one of [last, stroke]) if (one) trace(ctx, one, size);
+    for (const one of [last, stroke]) if (one) trace(ctx, one, size, colour);
   }
 
-  function trace(ctx, { tool, points }, size) {
+  function trace(ctx, { tool, points }, size, colour) {
     const brushes = tool === BRUSH || tool === UNBRUSH;
     ctx.globalAlpha = brushes ? 0.3 : 1;
-    ctx.strokeStyle = tool === BRUSH ? HANDLE : tool === UNBRUSH ? "#888888" : INK;
+    ctx.strokeStyle = tool === BRUSH ? colour : tool === UNBRUSH ? "#888888" : INK;
     ctx.lineWidth = (brushes ? 2 * model.get("radius") : 0.006) * size;
     ctx.beginPath();
     points.forEach(([x, y], at) => (at ? ctx.lineTo(x * size, y * size) : ctx.moveTo(x * size, y * size)));

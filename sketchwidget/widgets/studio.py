@@ -13,6 +13,7 @@ from ipywidgets import Box, VBox
 from ..face import Face, FaceModel
 from ..face.texture import Texture, TexturedFace
 from ..session import Session
+from ..session.events import MODES
 from ..session.take_over import standing
 from . import toolbar
 from .caricaturing import Caricaturing
@@ -35,7 +36,6 @@ from .welcome import Welcome
 if TYPE_CHECKING:
     from ..avatar import Avatar
 
-MODES = ("initial", "followup", "refine")
 TABS = (*MODES, "caricature", "portrait")
 VIEWS = ("front", "left", "right", "three-quarter")
 

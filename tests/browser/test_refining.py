@@ -96,12 +96,14 @@ def test_the_right_button_turns_the_head_and_the_pen_does_not(studio):
 
 
 def marks(studio):
-    """How many pixels of the pad over the head hold a mark."""
+    """How many pixels of the pad over the head have the colour of handles, which is that of marks in theme.css."""
     return studio.head.locator(".sketchwidget-marks").evaluate(
         """canvas => {
             const { data } = canvas.getContext('2d').getImageData(0, 0, canvas.width, canvas.height);
             let count = 0;
-            for (let at = 3; at < data.length; at += 4) count += data[at] > 0;
+            for (let at = 0; at < data.length; at += 4) {
+                count += [13, 131, 119, 255].every((value, channel) => Math.abs(data[at + channel] - value) < 3);
+            }
             return count;
         }"""
     )

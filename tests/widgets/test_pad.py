@@ -1,11 +1,14 @@
 from __future__ import annotations
 
+from pathlib import Path
+
 import ipycanvas.canvas
 import numpy as np
 import pytest
 
 from sketchwidget.sketch import Sketch
-from sketchwidget.widgets.pad import INVITATION, Pad
+from sketchwidget.widgets import pad as module
+from sketchwidget.widgets.pad import INVITATION, OPEN_END_COLOUR, Pad
 
 LINE = [(0.1, 0.1), (0.9, 0.9)]
 
@@ -71,3 +74,8 @@ def test_a_failure_while_drawing_does_not_hold_later_drawings(commands, monkeypa
     commands.clear()
     pad.show(sketch)
     assert len(commands) == 1
+
+
+def test_open_ends_have_the_colour_of_the_other_marks():
+    theme = Path(module.__file__).with_name("theme.css").read_text(encoding="utf-8")
+    assert f"--sw-mark: {OPEN_END_COLOUR};" in theme
