@@ -31,7 +31,7 @@ TABS = {
     "initial": ("i", DRAWN, ""),
     "followup": ("f", ERASED, ""),
     "refine": ("r", "studio.session.brush(studio.session.under_brush([[0.5, 0.57]], 0.03))", ""),
-    "caricature": ("c", PICTURE, "The head meets"),
+    "caricature": ("c", PICTURE, "The head fits"),
     "portrait": ("x", "from skimage import data\nstudio.marking.open(data.astronaut())", "The head is built in"),
 }
 DRESS = "theme => window.jupyterapp.commands.execute('apputils:change-theme', { theme })"

@@ -51,7 +51,7 @@ def main() -> None:
 
             studio.press("c")
             page.evaluate(RUN, PICTURE)
-            until(lambda: studio.message, lambda said: said.startswith("The head meets"), "the fit")
+            until(lambda: studio.message, lambda said: said.startswith("The head fits"), "the fit")
             until(studio.turning, lambda turning: not turning)
             studio.root.locator(".sketchwidget-figures").evaluate("figures => figures.remove()")  # of a busy machine
             studio.root.screenshot(path=FOLDER / "caricature_tab.png")

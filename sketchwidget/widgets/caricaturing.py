@@ -19,7 +19,7 @@ from .tab import Tab
 from .worker import Report, Worker
 
 FITTING = "The head is fitted to the landmarks …"
-FITTED = "The head meets the landmarks, {:.1f} % of the eyes' distance off."
+FITTED = "The head fits the landmarks to within {:.1f} % of the distance between the eyes."
 
 
 @dataclass(frozen=True, eq=False)

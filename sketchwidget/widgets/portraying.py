@@ -21,7 +21,7 @@ from .worker import Report, Worker
 if TYPE_CHECKING:
     from ..avatar import Avatar
 
-BUILDING = "The head is built, some seconds: {} …"
+BUILDING = "Building the head takes a few seconds: {} …"
 BUILT = "The head is built in {:.1f} s: play it, move its sliders, or export it as GLB."
 STAGES = {
     "landmarks": "landmarks",

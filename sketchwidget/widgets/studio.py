@@ -307,7 +307,7 @@ class Studio(VBox):
                 self._status.say("The mean face has nothing to exaggerate: draw first.")
             else:
                 self.session.exaggerate(amount)
-                happened = f"Exaggerated {amount:.2f} times; undo brings the head back."
+                happened = f"Exaggerated by a factor of {amount:.2f}; undo brings the head back."
                 self._status.say("The head is as it was." if amount == 1.0 else happened, self._expected)
         self._exaggerating.show(self.session.exaggeration)
 

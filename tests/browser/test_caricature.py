@@ -68,7 +68,7 @@ def begin(studio: StudioPage, drawn: tuple[bytes, np.ndarray]) -> None:
     data, landmarks = drawn
     studio.open_and_click("someone.png", data, landmarks[[36, 45, CHIN]])
     until(lambda: len(studio.marks()), lambda marks: marks == 68, "the landmarks")
-    until(lambda: studio.message, lambda said: said.startswith("The head meets"), "the fit")
+    until(lambda: studio.message, lambda said: said.startswith("The head fits"), "the fit")
 
 
 def test_dragging_the_nose_down_lengthens_the_nose_of_the_head(tab, drawn, model) -> None:
@@ -87,7 +87,7 @@ def test_dragging_the_nose_down_lengthens_the_nose_of_the_head(tab, drawn, model
             tab.wait_for_frame(serial)
         tab.page.mouse.up()
     until(lambda: nose_length(tab, model), lambda length: length > before + 5, "a longer nose")
-    until(lambda: tab.message, lambda said: said.startswith("The head meets"), "the fit")
+    until(lambda: tab.message, lambda said: said.startswith("The head fits"), "the fit")
     keep_picture(tab, "nose")
 
 
@@ -140,7 +140,11 @@ def test_any_head_is_exaggerated_and_all_moves_of_the_slider_are_one_step(page, 
     studio.wait_for_frame(serial)
     ink, before = settled(studio.ink_pixels), studio.positions()
     slide(studio, 10)
-    until(lambda: studio.message, lambda said: said.startswith("Exaggerated 1.50 times"), "the word of the slider")
+    until(
+        lambda: studio.message,
+        lambda said: said.startswith("Exaggerated by a factor of 1.50"),
+        "the word of the slider",
+    )
     away = [np.linalg.norm(mesh - model.mean, axis=1).mean() for mesh in (before, studio.positions())]
     assert away[1] > 1.2 * away[0]
     keep_picture(studio, "any-head")
@@ -155,7 +159,7 @@ def test_quick_arrow_keys_all_count(tab, drawn) -> None:
     tab.page.mouse.click(*tab.on_picture(before[NOSE_TIP]))
     for _ in range(12):
         tab.page.keyboard.press("ArrowRight")
-    until(lambda: tab.message, lambda said: said.startswith("The head meets"), "the fit")
+    until(lambda: tab.message, lambda said: said.startswith("The head fits"), "the fit")
     moved = settled(lambda: tuple((tab.marks() - before)[NOSE_TIP]))
     side = float((tab.picture.locator("svg").get_attribute("viewBox") or "").split()[2])
     assert moved == pytest.approx((12 * 0.002 * side, 0), abs=0.05)

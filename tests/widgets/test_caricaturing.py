@@ -62,7 +62,7 @@ def test_whoever_comes_to_the_tab_is_told_that_the_head_is_being_fitted(studio, 
     studio._mode.value = "caricature"
     assert studio._status.message.endswith(caricaturing.FITTING)
     worker._answer(jobs[-1])
-    assert studio._status.message.startswith("The head meets the landmarks")
+    assert studio._status.message.startswith("The head fits the landmarks")
 
 
 def test_the_tab_shows_the_session_s_head_until_there_are_landmarks(studio):
@@ -77,7 +77,7 @@ def test_the_tab_shows_the_session_s_head_until_there_are_landmarks(studio):
 
 
 def test_the_head_follows_a_dragged_landmark_and_is_fitted_once_it_is_let_go(tab, landmarks, model, sent):
-    assert tab._status.message.startswith("The head meets the landmarks")
+    assert tab._status.message.startswith("The head fits the landmarks")
     before, messages = shown(tab), sent(tab._head.widget)
     tab.marking._on_move(UNDER, landmarks[UNDER] + [0, 12], False)
     quick = shown(tab)
@@ -150,7 +150,7 @@ def test_the_slider_exaggerates_the_session_s_head_in_one_step(studio, someone):
     taken = shown(studio)
     for amount in (1.2, 1.4, 2.0):
         studio._exaggerating._slider.value = amount
-    assert studio.session.exaggeration == 2.0 and studio._status.message.startswith("Exaggerated 2.00 times")
+    assert studio.session.exaggeration == 2.0 and studio._status.message.startswith("Exaggerated by a factor of 2.00")
     assert np.abs(shown(studio).vertices - taken.vertices).max() > 3
     studio._exaggerating._slider.value = 1.0
     assert shown(studio) is taken and studio._status.message.startswith("The head is as it was.")
