@@ -9,7 +9,8 @@
  *         {type: "look", direction: [x, y, z]}: turn until the camera looks from there, zoom and shift undone.
  *         {type: "skin"} with two buffers: Float32 (V, 2), places in a texture, v upwards, and an image file: shown on the mesh
  *         in place of the colours of its vertices; without buffers, these again.
- * Events  on the geometry "sketchwidget:posed", from another widget that has written its positions: they are shown;
+ * Events  on the geometry "sketchwidget:placed" after a mesh has come; and "sketchwidget:posed", from another widget that has
+ *         written its positions: they are shown;
  *         on the view's element, bubbling: "sketchwidget:frame" {detail: {serial, drawn}} after a mesh is rendered. That
  *         element has a property `sketchwidget` = {geometry, camera, serial}, the three.js objects on show.
  *
@@ -104,6 +105,7 @@ export default () => {
     setPositions(buffer);
     setFrame(message.scale, message.centre);
     renderAll();
+    geometry.dispatchEvent({ type: "sketchwidget:placed" });
     serial = message.serial;
     for (const { host } of views) announce(host);
   }

@@ -7,7 +7,8 @@
  *         down, aside] degrees}]} with one buffer, gzipped: Float32 (V, 3) at rest, millimetres; then for each name of
  *         `counts` Uint16 (n) gaps between its vertices and Int16 (3, n) `step`s; then for each eye Uint16 (count) vertices;
  *         {type: "release"}: the head is moved no more.
- * Events  on the geometry, "sketchwidget:posed" after its positions are written, once a frame of the screen at most.
+ * Events  on the geometry, "sketchwidget:posed" after its positions are written, once a frame of the screen at most; after
+ *         "sketchwidget:placed" there, they are written again.
  *
  * Sliders and performances work without the kernel; it is told of the sliders' weights when the hand lets go.
  */
@@ -116,6 +117,8 @@ export default () => {
   }
 
   function initialize({ model }) {
+    const again = () => show(model);
+    weights = { ...model.get("weights") };
     model.on("msg:custom", async (message, buffers) => {
       const number = ++rigs;
       rig = null;
@@ -126,6 +129,7 @@ export default () => {
       await geometryModel.initPromise;
       if (number !== rigs) return;
       geometry = geometryModel.obj;
+      geometry.addEventListener("sketchwidget:placed", again); // once, however often it is added
       rig = unpacking;
       show(model);
     });

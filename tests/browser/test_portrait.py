@@ -64,6 +64,13 @@ def slider(studio: StudioPage, expression: str):
     return studio.root.locator(f'[data-expression="{expression}"]')
 
 
+def push(studio: StudioPage, part: str, expression: str) -> None:
+    """Push the slider of an expression, which is in a part of the list, all the way."""
+    if not slider(studio, expression).is_visible():
+        studio.root.locator("summary", has_text=part).click()
+    slider(studio, expression).fill("1")
+
+
 def chin(studio: StudioPage, model: sw.FaceModel) -> float:
     return float(studio.positions()[model.landmarks[CHIN], 1])
 
@@ -79,8 +86,7 @@ def test_stages_are_shown_with_their_times(built) -> None:
 
 def test_a_slider_opens_the_jaw_on_the_page(built, model) -> None:
     before = chin(built, model)
-    built.root.locator("summary", has_text="Jaw").click()
-    slider(built, "jawOpen").fill("1")
+    push(built, "Jaw", "jawOpen")
     until(lambda: chin(built, model), lambda now: now < before - 8, "a lower chin")
     keep_picture(built, "jaw")
     built.root.locator(".sketchwidget-performances button", has_text="rest").click()
@@ -92,8 +98,7 @@ def test_eyeballs_turn_whole(built, model) -> None:
 
     ball = (model.template.fine_parts == PARTS.index("eyes")) & (model.mean[:, 0] > 0)
     rest = built.positions()[ball]
-    built.root.locator("summary", has_text="Eyes").click()
-    slider(built, "eyeLookUpLeft").fill("1")
+    push(built, "Eyes", "eyeLookUpLeft")
     until(lambda: np.abs(built.positions()[ball] - rest).max(), lambda moved: moved > 2, "a look upwards")
     turned = built.positions()[ball]
     apart = [np.linalg.norm(points[::7, None] - points[::7], axis=2) for points in (rest, turned)]
@@ -124,6 +129,19 @@ def test_a_performance_plays_and_ends_at_rest(built, model) -> None:
     )
     assert lowest < before - 2  # the jaw moves
     assert abs(after - before) < 0.01  # and is at rest after it
+
+
+def test_an_expression_is_there_again_after_a_reload(built, model) -> None:
+    before = chin(built, model)
+    push(built, "Jaw", "jawOpen")
+    opened = until(lambda: chin(built, model), lambda now: now < before - 8, "a lower chin")
+    built.page.evaluate("window.jupyterapp.commands.execute('docmanager:save')")
+    built.page.reload()
+    built.root.locator(".sketchwidget-shown").wait_for()
+    until(lambda: chin(built, model), lambda now: abs(now - opened) < 0.01, "the chin as low as before")
+    assert slider(built, "jawOpen").input_value() == "1"
+    built.root.locator(".sketchwidget-performances button", has_text="rest").click()
+    until(lambda: chin(built, model), lambda now: abs(now - before) < 0.01, "the chin at rest")
 
 
 def test_the_head_is_exported_with_texture_and_expressions(built) -> None:
