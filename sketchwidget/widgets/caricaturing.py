@@ -19,7 +19,7 @@ from .tab import Tab
 from .worker import Report, Worker
 
 FITTING = "The head is fitted to the landmarks …"
-FITTED = "The head fits the landmarks to within {:.1f} % of the distance between the eyes."
+FITTED = "The head fits the landmarks: they are {:.1f} % of the distance between the eyes off on average."
 
 
 @dataclass(frozen=True, eq=False)
