@@ -8,6 +8,7 @@ import os
 import numpy as np
 import pytest
 import trimesh
+from jupyter_page import DEADLINE
 from PIL import Image
 from studio_page import StudioPage, until
 
@@ -137,7 +138,7 @@ def test_an_expression_is_there_again_after_a_reload(built, model) -> None:
     opened = until(lambda: chin(built, model), lambda now: now < before - 8, "a lower chin")
     built.page.evaluate("window.jupyterapp.commands.execute('docmanager:save')")
     built.page.reload()
-    built.wait_until_shown()
+    built.root.locator(".sketchwidget-shown").wait_for(timeout=1000 * DEADLINE)
     until(lambda: chin(built, model), lambda now: abs(now - opened) < 0.01, "the chin as low as before")
     assert slider(built, "jawOpen").input_value() == "1"
     built.root.locator(".sketchwidget-performances button", has_text="rest").click()
