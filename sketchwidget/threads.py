@@ -36,7 +36,7 @@ def one_thread(kind: Literal["blas"] | None = None) -> Iterator[None]:
 
 
 class _Blas:
-    """One thread for NumPy and SciPy, which is for all of a program: from the first that asks to the last that leaves."""
+    """One thread for NumPy and SciPy, for all of a program: from the first that asks to the last that leaves."""
 
     def __init__(self) -> None:
         self._lock, self._inside = Lock(), 0

@@ -10,7 +10,8 @@ from scipy.sparse.csgraph import dijkstra
 
 def edges(faces: np.ndarray) -> np.ndarray:
     """The edges (e, 2) int64 of triangles (m, 3), each once."""
-    return np.asarray(igl.edges(np.asarray(faces, dtype=np.int64)))
+    faces = np.asarray(faces, dtype=np.int64)
+    return np.asarray(igl.edges(faces)) if len(faces) else np.empty((0, 2), dtype=np.int64)
 
 
 def edge_graph(vertices: np.ndarray, faces: np.ndarray) -> sparse.csr_matrix:

@@ -11,6 +11,7 @@ from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import KDTree
 
+_PARTNERS = 12  # nearest ends that an end may meet, itself among them: in dense hatching there are thousands
 _OPEN = 0.3  # of a stroke's diagonal: ends farther apart leave it open
 
 
@@ -78,11 +79,13 @@ def closed_figures(strokes: Mapping[int, Extent], reach: float) -> list[list[int
     reach : float
         Ends this near meet.
     """
+    if not strokes:
+        return []
     closed = np.array([stroke.closed for stroke in strokes.values()], dtype=bool)
-    meetings = KDTree([end for stroke in strokes.values() for end in stroke.ends]).query_pairs(
-        reach, output_type="ndarray"
-    )
-    meetings = meetings[meetings[:, 0] // 2 != meetings[:, 1] // 2]
+    ends = np.concatenate([stroke.ends for stroke in strokes.values()])
+    partners = KDTree(ends).query(ends, _PARTNERS, distance_upper_bound=reach)[1]
+    meetings = np.stack([np.repeat(np.arange(len(ends)), _PARTNERS), partners.ravel()], axis=1)
+    meetings = meetings[(meetings[:, 1] < len(ends)) & (meetings[:, 0] // 2 != meetings[:, 1] // 2)]
     kept, whole = np.zeros(len(strokes), dtype=bool), np.ones(len(strokes), dtype=bool)
     while (kept != whole).any():
         kept = whole

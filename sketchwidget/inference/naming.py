@@ -22,6 +22,8 @@ _LENGTHS = (0.1, 3.0)  # a stroke's length over the line's: it may be drawn in p
 _BROAD, _STEP, _MEETING, _MARGIN = 1.35, 0.2, 0.3, 0.1
 # How far mouths are looked for above and below where the head has its own, in steps; of the outline's size.
 _SHIFTS = np.linspace(-0.06, 0.06, 11)
+_BROADEST = 50  # strokes of a mouth that may have teeth between them
+_SMALL, _HIGHER = 0.3, 0.15  # of the nose's width: a nostril or a dot, and how far above the nose's line it may be
 _MISFIT = 0.03  # mean distance from the lines of mouth and lips, of the outline's size: what is farther is none of them
 # Where ears may be drawn, in the outline's box: height of their middle, and how tall and how broad they are.
 _EAR_MIDDLE, _EAR_HEIGHT, _EAR_BREADTH = (0.28, 0.8), (0.06, 0.45), 0.35
@@ -131,9 +133,7 @@ def _mouth_and_lips(points: np.ndarray, lines: Mapping[str, np.ndarray], size: f
     there, ink = np.concatenate([lines[name][::2] for name in names]), points[:, ::2]
     # A mouth runs across: its ends tell where it is sideways.
     aside = (points[..., 0].min() + points[..., 0].max() - there[:, 0].min() - there[:, 0].max()) / 2
-    moved = there + np.stack(np.broadcast_arrays(aside, size * _SHIFTS), axis=1)[:, None]
-    apart = cdist(ink.reshape(-1, 2), moved.reshape(-1, 2))
-    apart = apart.reshape(*ink.shape[:2], len(_SHIFTS), len(names), _SAMPLES).min(axis=-1).mean(axis=1)
+    apart = np.stack([_apart(ink, there + np.array([aside, size * shift]), len(names)) for shift in _SHIFTS], axis=1)
     misfit = np.average(np.minimum(apart.min(axis=2), _MISFIT * size), axis=0, weights=lengths(points))
     misfit += size * _SHIFTS**2
     apart = apart[:, misfit.argmin()]
@@ -144,11 +144,18 @@ def _mouth_and_lips(points: np.ndarray, lines: Mapping[str, np.ndarray], size: f
     along = [WRINKLE if lips[line] else names[line] for line in apart.argmin(axis=1)]
     # What a mouth has inside, between its lips and no broader, is a row of teeth.
     level, left, right = points[..., 1].mean(axis=1), points[..., 0].min(axis=1), points[..., 0].max(axis=1)
-    mouth = np.array([name != WRINKLE for name in along])
-    spanned = mouth & (left <= left[:, None]) & (right >= right[:, None])
-    above, below = level < level[:, None], level > level[:, None]
+    mouth = np.flatnonzero([name != WRINKLE for name in along])
+    mouth = mouth[np.argsort(left[mouth] - right[mouth])[:_BROADEST]]
+    spanned = (left[mouth] <= left[:, None]) & (right[mouth] >= right[:, None])
+    above, below = level[mouth] < level[:, None], level[mouth] > level[:, None]
     teeth = (spanned & above).any(axis=1) & (spanned & below).any(axis=1)
     return [WRINKLE if inside else name for name, inside in zip(along, teeth, strict=True)]
+
+
+def _apart(ink: np.ndarray, lines: np.ndarray, count: int) -> np.ndarray:
+    """Mean distances (n, l) of strokes (n, k, 2) from a number of lines of equally many points (p, 2) each."""
+    apart = cdist(ink.reshape(-1, 2), lines)
+    return apart.reshape(*ink.shape[:2], count, -1).min(axis=-1).mean(axis=1)
 
 
 def _eyes_and_brows(strokes: Mapping[int, Extent], lines: Mapping[str, np.ndarray], side: str) -> dict[int, str]:
@@ -174,9 +181,9 @@ def _eyes_and_brows(strokes: Mapping[int, Extent], lines: Mapping[str, np.ndarra
     across = {index for index, stroke in about.items() if not stroke.steep}.union(*figures)
     about = {index: about[index] for index in across or about}
     levels = [stroke.y for stroke in about.values()]
-    lowest = max(levels, default=0.0)
+    lowest = max(levels)
     eye = _eye([[about[index] for index in figure] for figure in figures], lowest, width, height)
-    if eye is None and lowest - min(levels, default=0.0) < _STEP * width:
+    if eye is None and lowest - min(levels) < _STEP * width:
         return {}
     left, right, top, bottom = eye or (-np.inf, np.inf, lowest - _STEP * width, np.inf)
     level = lowest if eye is None else (top + bottom) / 2
@@ -222,13 +229,16 @@ def _nose(strokes: Mapping[int, Extent], lines: Mapping[str, np.ndarray]) -> dic
     width, middle = float(np.ptp(nose[:, 0])), float(nose[:, 0].mean())
     eyes = float(np.mean([lines[f"{side}_eye_lower"][:, 1].mean() for side in ("left", "right")]))
     mouth = float(lines["mouth_upper"][:, 1].min())
-    return {
-        index: "nose"
+    tip = nose[:, 1].min() - _HIGHER * width
+    sizes = {
+        index: math.hypot(stroke.width, stroke.height)
         for index, stroke in strokes.items()
-        if abs(stroke.x - middle) < 0.6 * width
-        and eyes < stroke.y < 0.3 * nose[:, 1].max() + 0.7 * mouth
-        and math.hypot(stroke.width, stroke.height) < 3 * width
+        if abs(stroke.x - middle) < 0.6 * width and eyes < stroke.y < 0.3 * nose[:, 1].max() + 0.7 * mouth
     }
+    small = [index for index, size in sizes.items() if size < _SMALL * width]
+    # One or two about the nose's tip are it, or its nostrils; others are freckles.
+    nostrils = [index for index in small if strokes[index].y > tip] if len(small) <= 2 else []
+    return {index: "nose" for index, size in sizes.items() if index in nostrils or _SMALL * width <= size < 3 * width}
 
 
 def _mouth(strokes: Mapping[int, Extent], lines: Mapping[str, np.ndarray], outline: Outline) -> dict[int, str]:

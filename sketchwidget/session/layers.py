@@ -8,8 +8,6 @@ from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 
-from sketchwidget.geometry.alignment import similarity
-
 if TYPE_CHECKING:
     from sketchwidget.face import Face
 
@@ -24,15 +22,16 @@ class Layer(Protocol):
 
 @dataclass(frozen=True, eq=False)
 class Displacement:
-    """A layer of displacements that turn with the head below as a whole.
+    """A layer of displacements, which stay as they are when the head below gets another face.
 
-    Frames at the vertices would turn by anything where lids and lips that fold over move a little, and the large
-    displacements of an exaggerated head with them: they would tear its skin.
+    All heads of a model stand alike, so that nothing need turn with them. Displacements in frames of the surface would:
+    where lids and lips that fold over move a little, such frames turn by anything, and the large displacements of an
+    exaggerated head would tear its skin.
 
     Parameters
     ----------
     offsets : (V, 3) array
-        Millimetres, of a head that stands as the mean face does.
+        Millimetres.
     """
 
     offsets: np.ndarray
@@ -40,12 +39,7 @@ class Displacement:
     @classmethod
     def between(cls, below: Face, above: Face) -> Displacement:
         """The layer that makes one head of another."""
-        return cls.of(below, above.vertices - below.vertices)
-
-    @classmethod
-    def of(cls, below: Face, displacement: np.ndarray) -> Displacement:
-        """The layer that moves the vertices of a head by (V, 3) millimetres."""
-        return cls((displacement @ _turn(below)).astype(np.float32))
+        return cls(above.vertices - below.vertices)
 
     def __add__(self, other: Displacement) -> Displacement:
         return Displacement(self.offsets + other.offsets)
@@ -54,7 +48,7 @@ class Displacement:
         """The head with its vertices displaced."""
         from sketchwidget.face import Face
 
-        return Face(head.model, head.vertices + (self.offsets @ _turn(head).T).astype(np.float32))
+        return Face(head.model, head.vertices + self.offsets)
 
 
 @dataclass(frozen=True, eq=False)
@@ -103,8 +97,3 @@ class Layers:
     def head(self) -> Face:
         """All layers on top of each other."""
         return self.drawn if self.refinement is None else self.refinement.on(self.drawn)
-
-
-def _turn(head: Face) -> np.ndarray:
-    """The rotation (3, 3) by which a head is turned from the mean face."""
-    return similarity(head.model.mean, head.vertices)[1]

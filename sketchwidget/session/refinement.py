@@ -172,7 +172,7 @@ class Edit:
             along = region is None or region[part.vertices].all()
             wanted = moved[part.leaders].mean(axis=0) if along else np.zeros(3)
             moved[part.vertices] = cover.held(wanted, self.face.vertices, moved)
-        layer = Displacement.of(self.layers.drawn, moved)
+        layer = Displacement(moved.astype(np.float32))
         if self.refinement.layer is not None:
             layer = layer + self.refinement.layer
         if (farthest := float(np.linalg.norm(layer.offsets, axis=1).max())) > FARTHEST:

@@ -20,11 +20,12 @@ function paced(send) {
   let lastAsked = 0;
   let took = 0; // milliseconds that the last answer took
   let later = 0; // the timer of what could not be sent yet
+  let stopped = false;
 
   /** Sends the stroke so far as soon as there is time for it. */
   function ask() {
     clearTimeout(later);
-    if (asked !== null) return;
+    if (stopped || asked !== null) return;
     const rest = Math.max(PARTIAL_EVERY, Math.min(REST * took, LONGEST_REST));
     const wait = lastAsked + rest - performance.now();
     if (wait > 0) {
@@ -45,6 +46,11 @@ function paced(send) {
     });
   }
 
-  return { ask, answered, stop: () => clearTimeout(later) };
+  function stop() {
+    stopped = true;
+    clearTimeout(later);
+  }
+
+  return { ask, answered, stop };
 }
 

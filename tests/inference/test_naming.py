@@ -1,5 +1,7 @@
 """Names of freehand strokes, and the closed figures among them."""
 
+import tracemalloc
+
 import numpy as np
 import pytest
 
@@ -8,7 +10,7 @@ from sketchwidget.geometry import View
 from sketchwidget.inference.figures import closed_figures, extents
 from sketchwidget.inference.naming import whereabouts
 from sketchwidget.inference.outline import find_outline
-from sketchwidget.sketch import resample_each
+from sketchwidget.sketch import WRINKLE, resample_each
 
 TURN = np.linspace(0, 2 * np.pi, 40)
 CIRCLE = np.stack([np.cos(TURN), np.sin(TURN)], axis=1)
@@ -29,6 +31,21 @@ def test_a_figure_is_closed_if_none_of_its_strokes_has_a_loose_end():
 def test_two_nostrils_are_a_nose(regressor, drawing):
     nostrils = [[x, 0.6] + 0.008 * CIRCLE for x in (0.475, 0.525)]
     assert names_of(regressor, [*drawing[:3], drawing[4], *nostrils])[-2:] == ("nose", "nose")
+
+
+def test_freckles_are_no_nose(regressor, drawing):
+    freckles = [np.array([[0.5 + x, 0.57 + y]]) for x in (-0.02, 0.02) for y in (0.0, 0.03)]
+    assert names_of(regressor, [*drawing[:3], drawing[4], *freckles])[-4:] == (WRINKLE,) * 4
+
+
+@pytest.mark.parametrize("place", [[0.4, 0.45], [0.5, 0.72]])
+def test_dense_hatching_is_named_in_little_memory(regressor, drawing, place):
+    lines = np.random.default_rng(0).normal(place, 0.01, (3000, 1, 2)) + np.array([[-0.01, 0.0], [0.01, 0.002]])
+    tracemalloc.start()
+    names = names_of(regressor, [*drawing, *lines])
+    peak = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    assert len(names) == len(drawing) + 3000 and peak < 150e6
 
 
 def test_an_ear_is_as_far_from_a_narrow_outline_as_from_a_broad_one():
