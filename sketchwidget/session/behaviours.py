@@ -183,7 +183,7 @@ def behaviour(name: str) -> Behaviour:
         If there is none of that name.
     """
     if name not in _BEHAVIOURS:
-        raise ValueError(f"a tool is one of {', '.join(_BEHAVIOURS)}; given {name!r}")
+        raise ValueError(f"a tool is one of {', '.join(_BEHAVIOURS)}, or registered first; given {name!r}")
     return _BEHAVIOURS[name]
 
 

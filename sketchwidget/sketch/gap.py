@@ -211,7 +211,7 @@ def _plain(gap: Gap, stroke: np.ndarray, start: np.ndarray, end: np.ndarray) -> 
         raise GapError("the stroke is far longer than the gap: draw the erased line once, from one end to the other")
     line = without_loops(resample(stroke, _STROKE_POINTS).astype(np.float64))
     if min(KDTree(gap.erased.points).query(line)[0]) > _FARTHEST:
-        raise GapError("the stroke is nowhere near the gap: its replacement must be drawn first, or cancel")
+        raise GapError("the stroke is nowhere near the gap: draw its replacement first, or put the erased line back")
     if np.linalg.norm(line[0] - start) + np.linalg.norm(line[-1] - end) > np.linalg.norm(
         line[-1] - start
     ) + np.linalg.norm(line[0] - end):

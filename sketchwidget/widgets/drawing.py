@@ -148,6 +148,8 @@ class Drawing:
         if gap is not None:
             other = SIDES.get(gap.name.partition("_")[0]) if mirror else None
             return f"The {said(gap.name)} is drawn anew{f', and the {other} one with it' if other else ''}."
+        if session.mode == "followup":
+            return "A wrinkle is drawn; to draw a line anew, erase it first."
         return "Both strokes drawn." if mirror else "Stroke drawn."
 
     def _on_partial(self, points: np.ndarray, mirror: bool) -> None:
