@@ -38,7 +38,8 @@ def whole(path: str | os.PathLike[str], synced: bool = True) -> Iterator[Path]:
     ...     unfinished.write_text("all of it")
     """
     path = Path(os.path.realpath(path))  # a link stays one
-    _remove_left_over(path)
+    if synced:  # what is written with every stroke is small, and looks through no folder
+        _remove_left_over(path)
     unfinished = path.with_name(f".{path.name}.{os.getpid()}.part")
     try:
         yield unfinished
