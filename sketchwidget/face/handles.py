@@ -16,6 +16,7 @@ from ..geometry.handle_deformation import HandleDeformation
 from ..geometry.unfolding import Unfolding
 from ..sketch import FEATURES, SILHOUETTE
 from .attached import attached_parts, in_front
+from .lining import Lining
 from .template import PARTS, Template
 
 LINES = (SILHOUETTE, *FEATURES)
@@ -38,7 +39,8 @@ class CurveHandles:
 
     Skin deforms smoothly, by a displacement of the coarse mesh that is refined as the mesh itself; where that would
     fold it, it gives way until it does not. What is behind it keeps behind it: the inside of the mouth goes with the
-    lips where it hangs on them, and deeper with the skin before it; eyes, teeth and tongue follow, as `Attached` says.
+    lips where it hangs on them, and deeper with the skin before it, further back as `Lining` says; eyes, teeth and
+    tongue follow, as `Attached` says.
 
     Parameters
     ----------
@@ -80,6 +82,7 @@ class CurveHandles:
         )
         away = np.linalg.norm(self._rest[self.profile][:, None] - self._rest[front], axis=2).min(axis=1)
         self._height_given = away < _AT_A_LINE
+        self._lining = Lining.of(template, rest)
         self._parts = attached_parts(template, rest)
 
     def __call__(
@@ -125,6 +128,7 @@ class CurveHandles:
             held = held | np.isfinite(rise)
             moved[:, 2] += self._spread @ self._deformation(depth[:, None])[:, 0]
         moved[:, :2] += self._unfolding(vertices, displaced, held) if way == "unfolded" else self._spread @ displaced
+        self._lining.follow(vertices, moved)
         for part in self._parts:
             part.follow(vertices, moved)
         return moved
