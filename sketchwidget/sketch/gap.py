@@ -15,6 +15,7 @@ from .erase import erase_stroke
 from .names import SILHOUETTE
 from .piece import Piece, joined
 from .polyline import arc_length, resample
+from .returning import without_returns
 
 _STROKE_POINTS = 160
 _JOIN = 0.02  # canvas units from an open end within which a stroke bends into the direction of the line
@@ -22,6 +23,9 @@ _GIVES_WAY = 5.0  # times its distance from an open end that a stroke bends towa
 _BACK = 2.0  # times its distance from the erased line that a stroke takes back to it
 _TANGENT = 0.015  # canvas units of a line that tell its direction at an open end
 _OVERSHOOT = 0.4  # of a stroke, from each end, that may run past the open end
+_PAST, _PAST_SHARE = 0.03, 0.4  # canvas units at each open end, and of the erased line: what goes further means more
+_ALONG = 0.3  # cosine between the ways of a stroke and of a line that it goes along
+_MISSING = 0.6  # of the erased line: so much of it is drawn by a stroke that goes on, and is not just drawn elsewhere
 _FARTHEST = 0.2  # canvas units from the gap: such a stroke means something else
 _SHORTEST = 0.3  # of the way from end to end
 _TREMOR = 0.004  # canvas units: a stroke is measured without what trembles by less
@@ -154,8 +158,9 @@ def closed(kept: Piece, replacement: Piece) -> Piece:
 def fill(gap: Gap, stroke: np.ndarray) -> Piece:
     """The stroke as the replacement of what was erased.
 
-    It is turned to run the way of the line, cut where it runs past the open ends, freed of loops, moved onto the ends
-    and bent into the line's direction there. Its points correspond to those of the erased line by arc length (5.1).
+    It is turned to run the way of the line, cut where it runs past the open ends, freed of loops and of ways back along
+    itself, moved onto the ends and bent into the line's direction there. Its points correspond to those of the erased
+    line by arc length (5.1).
 
     Parameters
     ----------
@@ -186,6 +191,17 @@ def fill(gap: Gap, stroke: np.ndarray) -> Piece:
     return Piece(gap.name, points, shares)
 
 
+def goes_on(gap: Gap, stroke: np.ndarray) -> bool:
+    """Whether a stroke (n, 2) draws what was erased and goes on, further than a hand slips, along what was not."""
+    start, end = gap.erased.points[0].astype(np.float64), gap.erased.points[-1].astype(np.float64)
+    line = _oriented(resample(stroke, _STROKE_POINTS).astype(np.float64), start, end)
+    past = 0.0 if gap.arrival is None else _past(line, start, gap.arrival)
+    past += 0.0 if gap.departure is None else _past(line[::-1], end, -gap.departure)
+    erased = float(arc_length(gap.erased.points)[-1])
+    further = past > max(_PAST * len(gap.ends), _PAST_SHARE * erased)
+    return bool(further and arc_length(line)[-1] - past > _MISSING * erased)
+
+
 def carried_on(gap: Gap, stroke: np.ndarray) -> np.ndarray:
     """A stroke (n, 2) that is still being drawn, with what it has not come to yet as it was before it was erased.
 
@@ -209,13 +225,10 @@ def _plain(gap: Gap, stroke: np.ndarray, start: np.ndarray, end: np.ndarray) -> 
         raise GapError("a dot closes no gap: draw the erased line from one end to the other")
     if _steady_length(stroke) > _LONGEST * max(float(arc_length(gap.erased.points)[-1]), chord):
         raise GapError("the stroke is far longer than the gap: draw the erased line once, from one end to the other")
-    line = without_loops(resample(stroke, _STROKE_POINTS).astype(np.float64))
+    line = without_loops(without_returns(resample(stroke, _STROKE_POINTS).astype(np.float64), _TREMOR))
     if min(KDTree(gap.erased.points).query(line)[0]) > _FARTHEST:
         raise GapError("the stroke is nowhere near the gap: draw its replacement first, or put the erased line back")
-    if np.linalg.norm(line[0] - start) + np.linalg.norm(line[-1] - end) > np.linalg.norm(
-        line[-1] - start
-    ) + np.linalg.norm(line[0] - end):
-        line = line[::-1]
+    line = _oriented(line, start, end)
     if gap.arrival is not None:
         line = _cut(line, start)
     if gap.departure is not None:
@@ -239,6 +252,19 @@ def _steady_length(stroke: np.ndarray) -> float:
     length = float(arc_length(stroke)[-1])
     even = resample(stroke, 2 + int(min(length, 100.0) / _TREMOR * 2)).astype(np.float64)
     return float(arc_length(gaussian_filter1d(even, 4.0, axis=0, mode="nearest"))[-1])
+
+
+def _oriented(line: np.ndarray, start: np.ndarray, end: np.ndarray) -> np.ndarray:
+    """A line (n, 2) the way round that begins and ends nearer to these points."""
+    there, back = (np.linalg.norm(way[[0, -1]] - [start, end], axis=1).sum() for way in (line, line[::-1]))
+    return line[::-1] if there > back else line
+
+
+def _past(line: np.ndarray, end: np.ndarray, direction: np.ndarray) -> float:
+    """How much of a line comes along what was not erased before its passage at an open end, from where that goes on."""
+    passage = int(np.argmin(np.linalg.norm(line - end, axis=1)))
+    along = _unit(line[passage] - line[0]) @ direction > _ALONG
+    return float(arc_length(line)[passage]) if along else 0.0
 
 
 def _cut(line: np.ndarray, end: np.ndarray) -> np.ndarray:

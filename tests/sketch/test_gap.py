@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from sketchwidget.sketch import Piece
 from sketchwidget.sketch.crossing import cross, without_loops
-from sketchwidget.sketch.gap import GapError, carried_on, closed, feature_gap, fill, outline_gap
+from sketchwidget.sketch.gap import GapError, carried_on, closed, feature_gap, fill, goes_on, outline_gap
 from sketchwidget.sketch.partner import follow, partner_of
 from sketchwidget.sketch.piece import handle_points, slid
 
@@ -210,3 +210,21 @@ def test_any_stroke_closes_the_gap_or_is_refused(points):
         return
     assert outline.is_closed and np.isfinite(outline.points).all()
     assert np.isfinite(handle_points([outline], 21)).all()
+
+
+@pytest.mark.parametrize("back", [False, True])
+def test_a_stroke_that_goes_on_along_the_line_is_told_from_one_that_overshoots(back):
+    pieces = line("nose", 0.3, 0.5)
+    _, inner = feature_gap(pieces, 4, 7)  # from 0.36 to 0.46
+    _, outer = feature_gap(pieces, 0, 3)  # up to 0.38
+
+    def stroke(start, end, rise=0.0):
+        points = np.array([[start, 0.5 - rise], [end, 0.5 - rise]])
+        return points[::-1] if back else points
+
+    assert goes_on(inner, stroke(0.3, 0.52)) and goes_on(inner, stroke(0.3, 0.52, 0.02))
+    assert goes_on(outer, stroke(0.3, 0.52)) and goes_on(outer, stroke(0.29, 0.46, 0.02))
+    for start, end in ((0.36, 0.46), (0.335, 0.485), (0.38, 0.44), (0.4, 0.5)):
+        assert not goes_on(inner, stroke(start, end)) and not goes_on(inner, stroke(start, end, 0.02))
+    assert not goes_on(outer, stroke(0.1, 0.4))  # past the end of the line itself
+    assert not goes_on(outer, np.array([[0.3, 0.5], [0.37, 0.5], [0.38, 0.3]]))  # another way than the line
