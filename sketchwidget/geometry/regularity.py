@@ -1,4 +1,4 @@
-"""How regular a triangle mesh is: edges at which it folds over."""
+"""How regular a triangle mesh is: edges at which it folds over, and normals that tell what is turned over."""
 
 from __future__ import annotations
 
@@ -26,3 +26,10 @@ def folded(vertices: np.ndarray, faces: np.ndarray) -> np.ndarray:
     corners = np.asarray(vertices, dtype=np.float64)[faces]
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     return (normals[first] * normals[second]).sum(axis=1) < 0
+
+
+def normals(vertices: np.ndarray, faces: np.ndarray) -> np.ndarray:
+    """The normals (3, m) of the triangles of a mesh, twice as long as they are large."""
+    corners = np.asarray(vertices, dtype=np.float64).T.take(np.asarray(faces).T, axis=1)
+    (x, y, z), (u, v, w) = (corners[:, k] - corners[:, 0] for k in (1, 2))
+    return np.stack([y * w - z * v, z * u - x * w, x * v - y * u])

@@ -80,12 +80,14 @@ class Layers:
         return layers
 
     @cached_property
+    def below(self) -> Face:
+        """The head below the edited lines."""
+        return self.parameters if self.residual is None else self.residual.on(self.parameters)
+
+    @cached_property
     def drawn(self) -> Face:
         """The head whose lines are drawn: all layers but the refinement."""
-        head = self.parameters
-        for layer in (self.residual, self.targets):
-            head = head if layer is None else layer.on(head)
-        return head
+        return self.below if self.targets is None else self.targets.on(self.below)
 
     def refined(self, refinement: Layer | None) -> Layers:
         """The same with another refinement; the layers below are not applied again."""

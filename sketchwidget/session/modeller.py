@@ -104,6 +104,12 @@ class Modeller:
         return self.model.faces[self.soft[self.model.faces].all(axis=1)]
 
     @cached_property
+    def skin(self) -> np.ndarray:
+        """The triangles (f, 3) of the skin."""
+        skin = self.model.template.fine_parts == PARTS.index("skin")
+        return self.model.faces[skin[self.model.faces].all(axis=1)]
+
+    @cached_property
     def attached(self) -> list[Attached]:
         """Eyes, teeth and tongue, which do not deform, and what each of them follows."""
         return attached_parts(self.model.template, self.model.mean)

@@ -1,7 +1,7 @@
 import numpy as np
 import trimesh
 
-from sketchwidget.geometry.regularity import folded
+from sketchwidget.geometry.regularity import folded, normals
 
 
 def test_one_fold_by_hand():
@@ -23,3 +23,8 @@ def test_a_ball_has_no_fold_and_a_dent_has_some():
     turned = ball.face_adjacency_angles
     dented = trimesh.Trimesh(vertices, faces, process=False).face_adjacency_angles
     assert folded(vertices, faces).sum() == (dented > np.pi / 2).sum() > 0 == (turned > np.pi / 2).sum()
+
+
+def test_normals_by_hand():
+    vertices = np.array([[0.0, 0, 0], [2, 0, 0], [0, 1, 0], [0, 0, 3]])
+    np.testing.assert_allclose(normals(vertices, np.array([[0, 1, 2], [2, 0, 3]])).T, [[0, 0, 2], [-3, 0, 0]])

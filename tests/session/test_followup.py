@@ -14,13 +14,16 @@ from sketchwidget.face import FaceModel
 from sketchwidget.face.handles import LINES, CurveHandles
 from sketchwidget.face.template import PARTS
 from sketchwidget.geometry import View
+from sketchwidget.geometry.regularity import normals
 from sketchwidget.session import Session
 from sketchwidget.sketch import Piece, resample
+from sketchwidget.sketch.polyline import arc_length
 
 TURN = np.linspace(0, 2 * np.pi, 60)
 OVAL = np.stack([0.5 + 0.27 * np.sin(TURN), 0.5 - 0.38 * np.cos(TURN)], axis=1)
 WRINKLE = [[0.4, 0.25], [0.5, 0.24], [0.6, 0.25]]
 NEAR = 0.0024  # canvas units: 0.6 mm
+FLAP = 6.0  # mm^2
 FLIPPED = 3  # of the 15,000 triangles that face the front, after many edits: what lines leave no room for
 
 
@@ -88,6 +91,15 @@ def strayed(session):
 def flipped(session):
     """How many triangles of the skin that face the front on the mean head face the back."""
     return turned_over(session.face.model, session.face.model.mean, session.face.vertices)
+
+
+def flaps(session, before):
+    """Square millimetres of skin that face the front and are turned by more than a right angle from a head (V, 3)."""
+    model = session.face.model
+    skin = model.faces[(model.template.fine_parts == PARTS.index("skin"))[model.faces].all(axis=1)]
+    after, was = normals(session.face.vertices, skin), normals(before, skin)
+    turned = ((after * was).sum(axis=0) < 0) & (after[2] > 0)
+    return np.linalg.norm(after[:, turned], axis=0).sum() / 2
 
 
 def erase_feature(session, name, number=0):
@@ -463,28 +475,98 @@ def test_a_large_edit_does_not_fold(session, name, change):
     ("name", "number", "shift"),
     [
         ("nose", 0, (0.031, 0)),
-        ("nose", 0, (0.031, 0.031)),
         ("nose", 2, (-0.031, 0)),
         ("left_eye_upper", 0, (0.031, 0)),
-        ("left_eye_lower", 0, (0.031, 0)),
+        ("left_eye_upper", 0, (-0.02, -0.01)),
+        ("left_eye_lower", 0, (-0.02, 0.01)),
     ],
 )
 def test_a_piece_moved_again_and_again_does_not_fold(session, name, number, shift):
     for _ in range(2):
+        before = session.face.vertices
         session.draw(erase_feature(session, name, number) + np.array(shift))
-    assert flipped(session) == 0
+        assert flipped(session) == 0 and turned_over(session.face.model, before, session.face.vertices) <= FLIPPED
+        assert flaps(session, before) < FLAP and strayed(session) < NEAR
 
 
-def test_what_no_head_can_have_is_refused(session):
-    """The corner of an eye as a thin spike."""
-    spike = np.array([0.031, -0.031])
-    session.draw(erase_feature(session, "left_eye_upper", 0) + spike)
-    once = snapshot(session)
-    points = erase_feature(session, "left_eye_upper", 0)
-    before = session.sketch, session.gap
-    with pytest.raises(ValueError, match="no head can have this line"):
-        session.draw(points + spike)
-    assert (session.sketch, session.gap) == before and session.cancel() and same(session, once)
+@pytest.mark.parametrize(
+    ("name", "number", "shift", "reason"),
+    [
+        ("mouth_upper", 0, (0.032, -0.04), "no head can have this line"),
+        ("mouth_lower", 2, (-0.032, 0.029), "the skin about the line mouth lower would fold: draw it nearer"),
+        ("left_eye_upper", 0, (0.031, -0.031), "the line left eye upper would turn back on itself: draw it once"),
+        ("left_eye_lower", 0, (0.031, 0), "the line left eye lower would turn back on itself: draw it once"),
+        ("left_brow", 1, (-0.036, -0.035), "the line left brow would turn back on itself: draw it once"),
+    ],
+)
+def test_what_no_head_can_have_is_refused(session, name, number, shift, reason):
+    """A corner of the mouth or of an eye as a thin spike, a flap of the lip, lines that double back."""
+    start = snapshot(session)
+    points = erase_feature(session, name, number)
+    before = session.sketch, session.gap, session.events
+    with pytest.raises(ValueError, match=reason):
+        session.draw(points + np.array(shift))
+    assert (session.sketch, session.gap, session.events) == before and np.array_equal(session.face.vertices, start[0])
+    assert session.cancel() and same(session, start)
+
+
+def test_a_nose_dragged_into_a_flap_is_refused(session):
+    session.draw(erase_feature(session, "nose", 0) + np.array([0.031, 0.031]))
+    points = erase_feature(session, "nose", 0)
+    before = session.sketch, session.gap, session.face
+    with pytest.raises(ValueError, match=r"turn back on itself|would fold"):
+        session.draw(points + np.array([0.031, 0.031]))
+    assert (session.sketch, session.gap, session.face) == before
+
+
+@pytest.mark.parametrize(("name", "number"), [("left_brow", 0), ("left_brow", 1), ("mouth_upper", 2), ("nose", 1)])
+def test_a_whole_line_is_not_crammed_into_the_gap_of_a_piece(session, name, number):
+    whole = np.concatenate(session.sketch.lines[name]) - np.array([0, 0.02])
+    erase_feature(session, name, number)
+    before = session.sketch, session.gap, session.face
+    with pytest.raises(
+        ValueError, match="far past the gap: draw only what is missing, or erase more of the line first"
+    ):
+        session.draw(whole)
+    assert (session.sketch, session.gap, session.face) == before
+    while name in session.sketch.lines:
+        erase_feature(session, name)
+    session.draw(whole)
+    assert session.gap is None and strayed(session) < NEAR
+
+
+@pytest.mark.parametrize("name", ["left_brow", "left_eye_upper", "mouth_lower", "nose", "left_ear"])
+def test_a_stroke_may_overshoot_its_gap_or_fall_short_of_it(session, name):
+    whole = np.concatenate(session.sketch.lines[name]).astype(float)
+    along = arc_length(whole)
+    for number in range(len(session.sketch.lines[name])):
+        for by in (-0.004, 0.01, 0.02):
+            points = erase_feature(session, name, number)
+            first, last = (int(np.argmin(np.linalg.norm(whole - end, axis=1))) for end in points[[0, -1]])
+            drawn = whole[(along >= along[first] - by) & (along <= along[last] + by)] - [0, 0.005]
+            session.draw(drawn)
+            assert session.gap is None and flipped(session) <= FLIPPED
+            session.undo()
+            session.cancel()
+
+
+@pytest.mark.parametrize("amount", [1.5, 2.2])
+@pytest.mark.parametrize("expression", ["neutral", "grin_open", "mouth_open"])
+def test_ordinary_edits_of_exaggerated_heads_are_done(regressor, amount, expression):
+    session = Session(regressor)
+    session.take_over(regressor.model.face(regressor.model.bilinear.identities[0], expression))
+    session.exaggerate(amount)
+    start = session.face.vertices
+    for name, change in (
+        ("left_brow", moved(0, -0.02)),
+        ("left_eye_upper", moved(0, -0.008)),
+        ("mouth_upper", widened(1.3)),
+        ("nose", moved(0.01, 0)),
+    ):
+        redraw_line(session, name, change)
+        assert session.gap is None and flaps(session, start) < FLAP
+        session.undo()
+        session.cancel()
 
 
 def test_a_mirrored_stroke_takes_its_part_of_a_line_that_was_drawn_whole(session):
