@@ -25,9 +25,9 @@ if TYPE_CHECKING:
 
 _NEAR = 0.0024  # canvas units, 0.6 mm of a head as it stands: how near to its lines it must be
 _NO_FURTHER = 1.2  # times what it was, for a line that the head was off before
-_ANOTHER = 0.025  # canvas units from the finest: such a line is not smoother, but another than was drawn
+_ANOTHER = 0.022  # canvas units from the finest: such a line is not smoother, but another than was drawn
 _BESIDE, _BACK = 0.03, 0.0065  # canvas units along a line within which it makes a hook, and by which it may turn back
-_FOLDED = 6.0  # mm^2 of skin that may be turned over in sight: creases of lids are less, a fold that is seen is more
+_FOLDED = 5.0  # mm^2 of skin that may be turned over in sight: creases of lids are less, a fold that is seen is more
 _SPACINGS = (2, 3, 4, 6, 8)  # handle points from knot to knot; the next where no head has the last
 
 

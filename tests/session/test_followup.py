@@ -23,7 +23,7 @@ TURN = np.linspace(0, 2 * np.pi, 60)
 OVAL = np.stack([0.5 + 0.27 * np.sin(TURN), 0.5 - 0.38 * np.cos(TURN)], axis=1)
 WRINKLE = [[0.4, 0.25], [0.5, 0.24], [0.6, 0.25]]
 NEAR = 0.0024  # canvas units: 0.6 mm
-FLAP = 6.0  # mm^2
+FLAP = 5.0  # mm^2
 FLIPPED = 3  # of the 15,000 triangles that face the front, after many edits: what lines leave no room for
 
 
