@@ -3,8 +3,7 @@ import pytest
 
 from sketchwidget.caricature.exaggeration import exaggerate
 from sketchwidget.face.handles import LINES
-from sketchwidget.face.lining import Lining
-from sketchwidget.geometry.visibility import covering
+from sketchwidget.face.lining import Covered, Lining
 
 
 @pytest.fixture(scope="module")
@@ -14,15 +13,23 @@ def lining(model):
 
 def out(lining, head):
     """How many vertices of the inside of the mouth lie before all skin at their place."""
-    which, above = covering(head[lining.vertices], head, lining.skin)
-    room = np.full(len(lining.vertices), -np.inf)
-    np.maximum.at(room, which, above)
+    room = lining.inside.room(head)
     return int((np.isfinite(room) & (room < -0.1)).sum())
 
 
 def wider(model, head, by):
     lines = {name: head[model.curves[name], :2].astype(np.float64) for name in LINES}
     return model.handles(head, lines | {name: line * [by, 1] for name, line in lines.items() if "mouth" in name})
+
+
+def test_room_by_hand():
+    """A triangle of skin 3 mm above one of two points, and another as far below it."""
+    head = np.array([[0.0, 0, 3], [2, 0, 3], [0, 2, 3], [0, 0, -3], [2, 0, -3], [0, 2, -3], [0.5, 0.5, 0], [3, 3, 0]])
+    covered = Covered.by(np.array([[0, 1, 2], [3, 4, 5]]), np.array([6, 7]))
+    np.testing.assert_allclose(covered.room(head), [3, -np.inf])
+    lower = head - np.array([0, 0, 4]) * (np.arange(8) < 3)[:, None]
+    np.testing.assert_allclose(covered.room(lower), [-1, -np.inf])
+    np.testing.assert_allclose(covered.lacking(head, lower), [3, 0])  # 2 mm of room at most
 
 
 def test_the_inside_of_a_wider_mouth_does_not_come_out_of_the_cheeks(model, lining, monkeypatch):
@@ -42,9 +49,9 @@ def test_what_is_behind_the_skin_stays(model, lining):
 
 def test_what_came_out_goes_back_to_its_room(model, lining):
     """A vertex behind the upper lip is pushed through it."""
+    room = lining.scouts.room(model.mean)
+    vertex = lining.scouts.vertices[np.argmax((room > 5) & (room < 15))]
     moved = model.mean.copy()
-    which, above = covering(model.mean[lining.scouts], model.mean, lining.skin)
-    vertex = lining.scouts[which[np.argmax((above > 5) & (above < 15))]]
     moved[vertex, 2] += 20
     lining.follow(model.mean, moved)
     assert moved[vertex, 2] < model.mean[vertex, 2] + 13
