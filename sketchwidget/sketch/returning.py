@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+from scipy.spatial.distance import cdist
 
 _AGAINST = np.cos(np.radians(120.0))  # ways this far apart or more run against each other
 
@@ -18,9 +19,8 @@ def without_returns(line: np.ndarray, near: float) -> np.ndarray:
     """
     for _ in range(2):
         step = max(float(np.linalg.norm(line[1] - line[0])), 1e-9)
-        apart = np.linalg.norm(line[:, None] - line[None], axis=2)
         way = np.gradient(line, axis=0)
-        back = (apart < near) & (way @ way.T < 0)
+        back = (cdist(line, line) < near) & (way @ way.T < 0)
         again = np.tril(back, -int(3 * near / step) - 1).any(axis=1)
         line = line[: len(line) - int(np.argmin(again[::-1]))][::-1]
     return line
