@@ -23,8 +23,7 @@ TURN = np.linspace(0, 2 * np.pi, 60)
 OVAL = np.stack([0.5 + 0.27 * np.sin(TURN), 0.5 - 0.38 * np.cos(TURN)], axis=1)
 WRINKLE = [[0.4, 0.25], [0.5, 0.24], [0.6, 0.25]]
 NEAR = 0.0024  # canvas units: 0.6 mm
-FLAP = 5.0  # mm^2
-FLIPPED = 3  # of the 15,000 triangles that face the front, after many edits: what lines leave no room for
+FLAP = 5.0  # mm^2 of skin: creases of lids are less
 
 
 class WrinkleCounter:
@@ -485,7 +484,7 @@ def test_a_piece_moved_again_and_again_does_not_fold(session, name, number, shif
     for _ in range(2):
         before = session.face.vertices
         session.draw(erase_feature(session, name, number) + np.array(shift))
-        assert flipped(session) == 0 and turned_over(session.face.model, before, session.face.vertices) <= FLIPPED
+        assert flipped(session) == turned_over(session.face.model, before, session.face.vertices) == 0
         assert flaps(session, before) < FLAP and strayed(session) < NEAR
 
 
@@ -545,7 +544,7 @@ def test_a_stroke_may_overshoot_its_gap_or_fall_short_of_it(session, name):
             first, last = (int(np.argmin(np.linalg.norm(whole - end, axis=1))) for end in points[[0, -1]])
             drawn = whole[(along >= along[first] - by) & (along <= along[last] + by)] - [0, 0.005]
             session.draw(drawn)
-            assert session.gap is None and flipped(session) <= FLIPPED
+            assert session.gap is None and flipped(session) == 0
             session.undo()
             session.cancel()
 
@@ -810,6 +809,7 @@ def test_any_edits_keep_the_topology_and_undo_to_the_last_bit(regressor, edits):
     session.start_from_template()
     start = snapshot(session)
     for edit in edits:
+        before = session.face.vertices
         try:
             act(session, *edit)
         except ValueError:
@@ -822,9 +822,9 @@ def test_any_edits_keep_the_topology_and_undo_to_the_last_bit(regressor, edits):
             for part in ("left_eye", "right_eye", "mouth"):
                 for end in (0, -1):
                     assert (lines[f"{part}_upper"][end][end] == lines[f"{part}_lower"][end][end]).all()
-        assert flipped(session) <= FLIPPED
+        assert flipped(session) == 0
         if edit[0] == "redraw" and session.gap is None:
-            assert strayed(session) < NEAR
+            assert strayed(session) < NEAR and flaps(session, before) < FLAP
         assert np.isfinite(session.face.vertices).all() and np.abs(session.face.vertices).max() < 400
     again = Session.loads(session.dumps(), regressor)
     assert same(again, snapshot(session))
