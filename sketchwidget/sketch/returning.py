@@ -21,7 +21,7 @@ def without_returns(line: np.ndarray, near: float) -> np.ndarray:
         step = max(float(np.linalg.norm(line[1] - line[0])), 1e-9)
         way = np.gradient(line, axis=0)
         back = (cdist(line, line) < near) & (way @ way.T < 0)
-        again = np.tril(back, -int(3 * near / step) - 1).any(axis=1)
+        again = np.any(np.tril(back, -int(3 * near / step) - 1), axis=1)
         line = line[: len(line) - int(np.argmin(again[::-1]))][::-1]
     return line
 
