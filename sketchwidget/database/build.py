@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -64,16 +64,29 @@ class Maker:
 
     def __call__(self, number: int) -> Heads:
         """One identity at all levels and in all expressions."""
-        posed = self.scale * (self.source.heads(number) - self.origin)
-        posed = np.stack([self._contact.mended(head) for head in posed])
-        rest = posed[self.source.expressions.index("neutral")]
-        vertices = self._exaggeration(rest, posed)
+        vertices = self._exaggerated(number, self._contact.mended)
         vertices = np.stack([[self._contact.seated(head) for head in heads] for heads in vertices])
         each = vertices.reshape(-1, *vertices.shape[-2:])
         crossing = np.array([tuple(self._contact.crossing(head).values()) for head in each], dtype=np.int16)
         wrinkles = np.stack([self._wrinkled(head) for head in each])
         shape = vertices.shape[:2]
         return Heads(vertices, wrinkles.reshape(*shape, *wrinkles.shape[1:]), crossing.reshape(*shape, 2))
+
+    def skin(self, number: int) -> np.ndarray:
+        """The vertices of one identity without what takes most of the time: teeth may come through the skin.
+
+        Returns
+        -------
+        (levels, e, n, 3) array
+            Coarse, millimetres.
+        """
+        return self._exaggerated(number, self._contact.parted)
+
+    def _exaggerated(self, number: int, mend: Callable[[np.ndarray], np.ndarray]) -> np.ndarray:
+        """One identity (levels, e, n, 3), each of its heads mended before they are exaggerated."""
+        posed = self.scale * (self.source.heads(number) - self.origin)
+        posed = np.stack([mend(head) for head in posed])
+        return self._exaggeration(posed[self.source.expressions.index("neutral")], posed)
 
     def _wrinkled(self, head: np.ndarray) -> np.ndarray:
         template = self.source.template

@@ -130,6 +130,10 @@ class Contact:
 
     def mended(self, head: np.ndarray) -> np.ndarray:
         """A head (n, 3) with lips parted where they cross, lids lifted off the eyeballs, and teeth behind the skin."""
+        return self.seated(self.parted(head))
+
+    def parted(self, head: np.ndarray) -> np.ndarray:
+        """The same but for the teeth: a head (n, 3) with lips parted and lids lifted."""
         head = np.array(head, dtype=np.float64)
         for eye in self._eyes:
             for _ in range(_ROUNDS):
@@ -140,7 +144,7 @@ class Contact:
             if not len(self._crossing_lips(lips)):
                 break
             self._part_lips(head, lips)
-        return self.seated(head)
+        return head
 
     def seated(self, head: np.ndarray) -> np.ndarray:
         """A head (n, 3) with each row of its teeth moved back by as much as some of it comes through the skin."""

@@ -39,6 +39,10 @@ class Bilinear:
         """The mesh (d,) of weights (p,) and (q,)."""
         return self.mean + self.basis @ (self.core @ expression @ identity)
 
+    def coordinates(self, meshes: np.ndarray) -> np.ndarray:
+        """Coordinates (..., k) in the basis of meshes (..., d)."""
+        return (meshes - self.mean) @ self.basis
+
 
 def fit_identity(model: Bilinear, meshes: np.ndarray, expressions: np.ndarray) -> np.ndarray:
     """Identity weights of one person's meshes, by linear least squares over expressions that are known.
@@ -55,7 +59,7 @@ def fit_identity(model: Bilinear, meshes: np.ndarray, expressions: np.ndarray) -
     -------
     (p,) float32 array
     """
-    codes = (meshes - model.mean) @ model.basis
+    codes = model.coordinates(meshes)
     by_identity = np.einsum("kpq,eq->ekp", model.core, expressions)
     return np.linalg.lstsq(by_identity.reshape(-1, by_identity.shape[2]), codes.ravel(), rcond=None)[0].astype(
         np.float32
@@ -77,7 +81,7 @@ def fit(model: Bilinear, mesh: np.ndarray, iterations: int = 10) -> tuple[np.nda
     u : (p,) float32 array
     v : (q,) float32 array
     """
-    code = (mesh - model.mean) @ model.basis
+    code = model.coordinates(mesh)
 
     def misfit(expression: np.ndarray) -> float:
         by_identity = model.core @ expression

@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from ..database.commands import Resumable, command_line
+from ..database.commands import Resumable, SourceName, command_line, open_source
+
+if TYPE_CHECKING:
+    from ..database.database import FaceDatabase
+    from ..database.source import FaceSource
 
 train = typer.Typer(help="Rebuild what is shipped, one file a command.", no_args_is_help=True)
 
@@ -117,6 +122,11 @@ def network(
     in_three_steps: Annotated[
         bool, typer.Option("--in-three-steps", help="As in the paper: classes, then weights, then faces.")
     ] = False,
+    further: Annotated[
+        int,
+        typer.Option(min=0, help="People to train on beyond those of the database, made for it, of the same source."),
+    ] = 0,
+    jobs: Annotated[int, typer.Option(min=1, help="Processes that make further people.")] = 1,
     start: Annotated[
         Path | None,
         typer.Option(help="A network to begin with, alike but for how lines join pixels; else random weights."),
@@ -127,6 +137,7 @@ def network(
     """Train a network on a database; stopped and started again, it goes on. `torchrun` spreads it over processes."""
     from ..database.drawings import read_drawings
     from .drawings import DrawnExamples
+    from .further_people import Further
     from .network import Schedule
     from .variants import VARIANTS
 
@@ -135,6 +146,8 @@ def network(
     chosen = VARIANTS[variant]
     _require_folder(out)
     pipeline = _pipeline(database, work)
+    if further:
+        pipeline = replace(pipeline, further=Further(_source_of(pipeline.database), further, jobs))
     people = None if drawings is None else DrawnExamples(read_drawings(drawings), pipeline.database.model)
     pipeline.train_network(
         out,
@@ -232,6 +245,14 @@ def _require_folder(out: Path) -> None:
         raise OSError(f"{out} cannot be written: {error.strerror}") from error
     if new:
         out.unlink()
+
+
+def _source_of(database: FaceDatabase) -> FaceSource:
+    """The source of a database's people, which has more of them."""
+    name = database.origin["source"]
+    if name != SourceName.ANNY:
+        raise ValueError(f"further people come from the source {SourceName.ANNY}; this database's are from {name}")
+    return open_source(SourceName.ANNY, None)
 
 
 def _pipeline(database: Path, work: Path):

@@ -13,7 +13,7 @@ from torch.utils.data import IterableDataset, get_worker_info
 from ..face.exaggeration import LEVELS
 from ..geometry.view import View
 from ..inference.matching import DrawnLines, shape_code
-from ..inference.shape_code import ShapeModel, split_lines
+from ..inference.shape_code import ShapeModel
 from ..sketch.hand import PARTS, Hand
 from .drawings import DrawnExamples
 from .face_table import FaceTable
@@ -215,10 +215,8 @@ class Examples(Batches):
     ) -> np.ndarray:
         """What a Studio makes of the seen ones of points (n, 2) whose true description is `shape`."""
         model = self._shape_model
-        lines, drawn = split_lines(points), split_lines(seen)
-        names = [name for name in lines if drawn[name].any() and not name.endswith("ear")]
         missed = shape[: model.size] + random.normal(0.0, _MISSED, model.size).astype(np.float32)
-        ink = DrawnLines([lines[name][drawn[name]] for name in names], names)
+        ink = DrawnLines.of_points(points, seen).without_ears()
         return shape_code(model, model.decode(missed[None])[0], ink)
 
     def example(self, random: np.random.Generator) -> tuple[Drawn, np.ndarray, np.ndarray, int]:
@@ -230,9 +228,8 @@ class Examples(Batches):
         parts: set[str] = self._parts(random) if freehand else set(PARTS)
         row, face = self._face(random, quiet="mouth" not in parts, freehand=freehand)
         points = self._overdrawn(face, random) if freehand else face.points
-        wrinkles = (
-            self.table.wrinkles[divmod(row, len(self._poses))] if random.random() < self.variety.wrinkles else None
-        )
+        wrinkled = random.random() < self.variety.wrinkles
+        wrinkles = self.table.wrinkles_of(*divmod(row, len(self._poses))) if wrinkled else None
         view = View() if manner is Manner.EXACT else noisy_view(self.variety.view, random)
         projected = self.table.lines(view.project(points))
         front = self.table.lines(View().project(self._stored(row).points))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 
@@ -35,8 +35,9 @@ class FaceTable:
         Of all lines of a face one after the other, millimetres.
     codes : (i, e, k) float32 array
         Coordinates of each mesh in the basis of the bilinear model.
-    wrinkles : (i, e, w, m, 2) float16 array
-        Suggestive contours in the canonical front view, canvas units; NaN where there are no more.
+    wrinkles : (j, e, w, m, 2) float16 array
+        Suggestive contours of the first j people in the canonical front view, canvas units; NaN where there are no
+        more. Nothing is known of those of others.
     lengths : dict of int
         Number of points of each line, in order.
     """
@@ -51,9 +52,22 @@ class FaceTable:
         pieces = np.split(points, self._ends)
         return dict(zip(self.lengths, pieces, strict=True))
 
+    def joined(self, points: np.ndarray, codes: np.ndarray) -> FaceTable:
+        """This table and, behind it, other people's points (i, e, p, 3) and codes (i, e, k)."""
+        return replace(self, points=np.concatenate([self.points, points]), codes=np.concatenate([self.codes, codes]))
+
+    def wrinkles_of(self, person: int, expression: int) -> np.ndarray | None:
+        """The wrinkles (w, m, 2) of a face; None where nothing is known of them."""
+        return self.wrinkles[person, expression] if person < len(self.wrinkles) else None
+
     @cached_property
     def _ends(self) -> np.ndarray:
         return np.cumsum(list(self.lengths.values()))[:-1]
+
+
+def lines_of(model: FaceModel) -> sparse.csr_matrix:
+    """The points (p, 3) of all lines of a face, one after the other, from its coarse vertices."""
+    return model.template.subdivision[np.concatenate([model.curves[name] for name in LINES])]
 
 
 def tabulate(database: FaceDatabase, path: Path) -> FaceTable:
@@ -62,12 +76,12 @@ def tabulate(database: FaceDatabase, path: Path) -> FaceTable:
     lengths = {name: len(model.curves[name]) for name in LINES}
     if not path.exists():
         path.parent.mkdir(parents=True, exist_ok=True)
-        pick = model.template.subdivision[np.concatenate([model.curves[name] for name in LINES])]
+        pick = lines_of(model)
         points, codes, wrinkles = [], [], []
         for identity in tqdm(range(database.identities), desc="table", unit="head"):
             for level in range(1, LEVELS + 1):
                 heads = database.person(identity, level)
-                codes.append((heads.reshape(len(heads), -1) - model.bilinear.mean) @ model.bilinear.basis)
+                codes.append(model.bilinear.coordinates(heads.reshape(len(heads), -1)))
                 points.append(np.stack([pick @ head for head in heads]).astype(np.float16))
                 wrinkles.append(database.wrinkles_of(identity, level).astype(np.float16))
         most = max(int(np.isfinite(lines[..., 0, 0]).sum(axis=-1).max(initial=0)) for lines in wrinkles)

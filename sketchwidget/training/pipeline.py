@@ -23,6 +23,7 @@ from ..inference.shape_code import ShapeModel
 from .drawings import DrawnExamples
 from .examples import Examples, Variety
 from .face_table import FaceTable, tabulate, vertex_metric
+from .further_people import Further
 from .looked_at import Again, LookedAt
 from .manners import Manner
 from .network import Schedule, train
@@ -47,20 +48,32 @@ class Pipeline:
     ----------
     database : FaceDatabase
     work : Path
+    further : Further, optional
+        People to train on too whom the database does not hold.
     """
 
     database: FaceDatabase
     work: Path
+    further: Further | None = None
 
     @cached_property
     def table(self) -> FaceTable:
-        """What networks train on, of all people."""
-        return tabulate(self.database, self._file("table"))
+        """What networks train on, of all people; further ones come last."""
+        table = tabulate(self.database, self._file("table"))
+        if self.further is None:
+            return table
+        return self.further.behind(table, self.database.model, self._file("further").with_suffix(""))
 
     @cached_property
     def kept(self) -> np.ndarray:
-        """Numbers of the faces to train on: neither of the random split nor of the split by identity."""
+        """Numbers of the database's faces to train on: neither of the random split nor of the split by identity."""
         return np.intersect1d(self.database.split("random", SEED)[0], self.database.split("identity", SEED)[0])
+
+    @property
+    def _to_train_on(self) -> np.ndarray:
+        """Numbers of all faces to train on, as if further people's followed those of the database."""
+        faces = self.table.codes.shape[0] * self.table.codes.shape[1]
+        return np.concatenate([self.kept, np.arange(len(self.database), faces)])
 
     def unseen(self, split: str, count: int) -> np.ndarray:
         """Numbers (m,) of faces that networks did not train on: of people that they know ("random") or do not."""
@@ -95,7 +108,7 @@ class Pipeline:
         model = self.database.model
         return Examples(
             self.table,
-            self.kept if of is None else of,
+            self._to_train_on if of is None else of,
             model.expressions,
             self._poses,
             self.shape_model,
@@ -151,7 +164,8 @@ class Pipeline:
         with team.leader_first():
             examples = self.examples(variety, schedule.batch, people)
             unseen = self.examples(_TEST, 8 * schedule.batch, of=self.database.split("identity", SEED)[1])
-        about = f"{self.database.sum} {variety} {0 if people is None else len(people)} drawings {origin} "
+        beyond, by_people = (0 if some is None else len(some) for some in (self.further, people))
+        about = f"{self.database.sum} {beyond} further people {variety} {by_people} drawings {origin} "
         if in_three_steps:
             classes, weights = (schedule.steps * part // 18 for part in _FIRST_STEPS)
             known = self.examples(replace(variety, mixed=0.0, blended=0.0), schedule.batch, reshaped=False)

@@ -8,7 +8,7 @@ import numpy as np
 
 from ..face.model import FaceModel
 from ..geometry.smoothstep import smoothstep
-from .face_table import LINES
+from .face_table import lines_of
 
 
 class Reshaping:
@@ -24,7 +24,7 @@ class Reshaping:
     def __init__(self, model: FaceModel) -> None:
         basis, mean = model.bilinear.basis, model.bilinear.mean
         x, y, _ = mean.reshape(-1, 3).T
-        lines = model.template.subdivision[np.concatenate([model.curves[name] for name in LINES])]
+        lines = lines_of(model)
         everywhere, sides = np.ones_like(x), smoothstep(np.abs(x), 20.0, 55.0)
         # Axis and, for each coarse vertex, how much it takes part.
         ways = {

@@ -179,3 +179,36 @@ def test_of_points_that_are_seen_each_run_is_a_stroke():
     points = POINTS.copy()
     points[numbers[SILHOUETTE][0]] = closing
     assert np.linalg.norm(DrawnLines.of_points(POINTS, seen).match(points)[0][0] - closing) < 0.002
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_points_along_lines_are_nearer_the_true_ones_than_the_nearest(seed):
+    """From a guess that is broader, shifted and of another mouth, lines that are drawn in pieces run either way."""
+    random = np.random.default_rng(seed)
+    guess = 0.5 + (POINTS - 0.5) * (1.06, 0.97) + (0.004, -0.006)
+    strokes, names = [], []
+    for name, line in LINES.items():
+        pieces = [line] if name == SILHOUETTE else np.array_split(line, 2)
+        strokes += [piece[::-1] if random.random() < 0.5 else piece for piece in pieces]
+        names += [name] * len(pieces)
+    lines = DrawnLines(strokes, names)
+    nearest, along = (
+        np.linalg.norm(found - POINTS, axis=1) for found in (lines.match(guess)[0], lines.along(guess)[0])
+    )
+    assert along.mean() < 0.5 * nearest.mean()
+    assert along.mean() < 0.003
+
+
+def test_a_dot_marks_an_eye_whose_shape_stays():
+    eye = ["left_eye_upper", "left_eye_lower"]
+    dot = LINES[eye[0]].mean(axis=0) + 0.004 * CIRCLE + (0.0, 0.02)
+    lines = DrawnLines([dot], eye[:1])
+    for one, other in zip(lines.match(POINTS), lines.along(POINTS), strict=True):
+        np.testing.assert_array_equal(one, other)
+
+
+def test_a_brow_of_two_strokes_over_each_other_is_matched_to_the_nearest_points():
+    brow = LINES["left_brow"]
+    lines = DrawnLines([brow, np.add(brow, (0.0, 0.004))], ["left_brow"] * 2)
+    for one, other in zip(lines.match(POINTS), lines.along(POINTS), strict=True):
+        np.testing.assert_array_equal(of("left_brow", one), of("left_brow", other))

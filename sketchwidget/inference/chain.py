@@ -1,0 +1,102 @@
+"""Which point of a drawn line is which: by the shares of its length, once its strokes are put one behind the other."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.spatial.distance import cdist
+
+from ..sketch.polyline import arc_length, resample
+
+_OVERLAP = 0.2  # share of a line that neighbouring strokes of it may both cover
+_MISSING = 0.25  # share of a line at its end that may lie beyond what is drawn before it counts as not drawn
+_CLOSED = 0.25  # of the extent of a stroke: the most that may part the ends of a closed one
+_FINE = 4  # points of a closed stroke for each point of its line
+
+
+@dataclass(frozen=True)
+class Chain:
+    """What is drawn of a line, in its order.
+
+    Parameters
+    ----------
+    points : (m, 2) array
+    start, end : float
+        The shares of the line's length at which it begins and ends.
+    """
+
+    points: np.ndarray
+    start: float
+    end: float
+
+    @classmethod
+    def of(cls, strokes: Sequence[np.ndarray], line: np.ndarray) -> Chain | None:
+        """Strokes (m, 2) in the order and the direction of a line (k, 2) beside which they lie.
+
+        None if they are drawn over each other: nobody knows which of their points are which.
+        """
+        share = _shares(line)
+        ends = np.concatenate([stroke[[0, -1]] for stroke in strokes])
+        at = share[cdist(ends, line, "sqeuclidean").argmin(axis=1)].reshape(-1, 2)
+        order = at.sum(axis=1).argsort(kind="stable")
+        low, high = at.min(axis=1)[order], at.max(axis=1)[order]
+        if (low[1:] < high[:-1] - _OVERLAP).any():
+            return None
+        points = np.concatenate([strokes[k] if at[k, 0] <= at[k, 1] else strokes[k][::-1] for k in order])
+        start, end = low[0], high[-1]
+        return cls(points, start if start > _MISSING else 0.0, end if end < 1 - _MISSING else 1.0)
+
+    def along(self, line: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """The points for those of the line (k, 2) at equal shares of the length, and which of them are drawn (k,)."""
+        share, way = _shares(line), arc_length(self.points)
+        within = (share - self.start) / max(self.end - self.start, 1e-9)
+        drawn = (within > -1e-6) & (within < 1 + 1e-6)
+        return _at(within * way[-1], way, self.points), drawn
+
+
+def is_closed(stroke: np.ndarray) -> bool:
+    """Whether a stroke (m, 2) comes back to where it began."""
+    return bool(np.linalg.norm(stroke[0] - stroke[-1]) <= _CLOSED * np.ptp(stroke, axis=0).max())
+
+
+def halves(stroke: np.ndarray, axis: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """The upper and the lower way (m, 2) round a closed stroke between its farthest points along an axis (2,)."""
+    along = stroke @ axis
+    first, last = int(along.argmin()), int(along.argmax())
+    turned = np.roll(stroke, -first, axis=0)
+    parting = (last - first) % len(stroke)
+    ways = turned[: parting + 1], np.concatenate([turned[parting:], turned[:1]])[::-1]
+    upper, lower = sorted(ways, key=lambda way: way[:, 1].mean())
+    return upper, lower
+
+
+def around(stroke: np.ndarray, line: np.ndarray) -> np.ndarray:
+    """The points (k, 2) of a closed stroke for those of a closed line (k, 2), at equal shares of the length.
+
+    It begins so that on the whole its points are where those of the line are beside it.
+    """
+    loop = resample(np.concatenate([stroke, stroke[:1]]), _FINE * len(line) + 1).astype(np.float64)
+    if _area(loop) * _area(line) < 0:
+        loop = loop[::-1]
+    share = _shares(np.concatenate([line, line[:1]]))[:-1]
+    beside = cdist(line, loop[:-1], "sqeuclidean").argmin(axis=1) / (len(loop) - 1)
+    start = np.angle(np.exp(2j * np.pi * (beside - share)).mean()) / (2 * np.pi)
+    return _at((start + share) % 1.0, np.linspace(0.0, 1.0, len(loop)), loop)
+
+
+def _shares(line: np.ndarray) -> np.ndarray:
+    """Of the length of a line (k, 2), how much lies before each of its points."""
+    along = arc_length(line)
+    return along / max(along[-1], 1e-9)
+
+
+def _at(wanted: np.ndarray, along: np.ndarray, points: np.ndarray) -> np.ndarray:
+    return np.stack([np.interp(wanted, along, axis) for axis in points.T], axis=1)
+
+
+def _area(loop: np.ndarray) -> float:
+    """Twice the area in a loop (m, 2), negative if it runs the other way."""
+    following = np.roll(loop, -1, axis=0)
+    return float((loop[:, 0] * following[:, 1] - loop[:, 1] * following[:, 0]).sum())

@@ -1,0 +1,72 @@
+"""Which point of a drawn line is which, by the shares of its length."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from sketchwidget.inference.chain import Chain, around, halves, is_closed
+
+# A line of length 1 bent at its middle, by points that are not evenly spaced.
+SHARES = np.array([0.0, 0.1, 0.3, 0.5, 0.6, 0.8, 1.0])
+LINE = np.stack([np.minimum(SHARES, 0.5), np.maximum(SHARES - 0.5, 0.0)], axis=1)
+
+
+def part(start, end, count=41):
+    """A stroke along the line between two shares of its length."""
+    along = np.linspace(start, end, count)
+    return np.stack([np.interp(along, SHARES, axis) for axis in LINE.T], axis=1)
+
+
+def loop(count=200):
+    """An egg, drawn clockwise on the canvas from its top."""
+    angle = np.linspace(0, 2 * np.pi, count, endpoint=False)
+    return np.stack([0.5 + 0.3 * np.sin(angle), 0.5 - 0.4 * np.cos(angle) - 0.05 * np.cos(2 * angle)], axis=1)
+
+
+def test_a_stroke_twice_as_large_has_each_point_of_the_line():
+    found, drawn = Chain.of([2 * part(0, 1)], LINE).along(LINE)
+    np.testing.assert_allclose(found, 2 * LINE, atol=1e-3)
+    assert drawn.all()
+
+
+@given(st.permutations(range(3)), st.lists(st.booleans(), min_size=3, max_size=3))
+def test_pieces_are_put_in_order_whichever_way_they_run(order, turned):
+    pieces = [part(0, 0.33), part(0.34, 0.66), part(0.67, 1)]
+    pieces = [pieces[k][::-1] if back else pieces[k] for k, back in zip(order, turned, strict=True)]
+    found, drawn = Chain.of(pieces, LINE).along(LINE)
+    np.testing.assert_allclose(found, LINE, atol=0.01)
+    assert drawn.all()
+
+
+def test_what_is_missing_at_an_end_is_not_drawn():
+    found, drawn = Chain.of([part(0.5, 1)], LINE).along(LINE)
+    np.testing.assert_array_equal(drawn, SHARES >= 0.5)
+    np.testing.assert_allclose(found[drawn], LINE[drawn], atol=1e-3)
+
+
+def test_strokes_over_each_other_are_no_chain():
+    assert Chain.of([part(0, 0.7), part(0.3, 1)], LINE) is None
+    assert Chain.of([part(0, 0.55), part(0.45, 1)], LINE) is not None
+
+
+def test_a_stroke_that_comes_back_is_closed():
+    assert is_closed(loop()) and is_closed(loop()[:190]) and not is_closed(part(0, 1))
+
+
+@pytest.mark.parametrize("first", [0, 70, 150])
+@pytest.mark.parametrize("step", [1, -1])
+def test_the_halves_of_a_loop_run_along_the_axis(first, step):
+    rolled = np.roll(loop(), first, axis=0)[::step]
+    upper, lower = halves(rolled, np.array([1.0, 0.0]))
+    for half in (upper, lower):
+        np.testing.assert_allclose(half[[0, -1], 0], [0.2, 0.8], atol=1e-3)
+        assert (np.diff(half[:, 0]) > 0).all()
+    assert upper[1:-1, 1].max() < lower[1:-1, 1].min() + 0.2 and upper[:, 1].mean() < 0.4 < lower[:, 1].mean()
+
+
+@given(first=st.integers(0, 199), step=st.sampled_from([1, -1]), size=st.floats(0.9, 1.1))
+def test_a_loop_has_the_points_of_a_line_wherever_it_was_begun_and_whichever_way_it_runs(first, step, size):
+    line = loop(60)
+    stroke = 0.5 + size * (np.roll(loop(), first, axis=0)[::step] - 0.5)
+    np.testing.assert_allclose(around(stroke, line), 0.5 + size * (line - 0.5), atol=0.008)
