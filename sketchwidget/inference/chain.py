@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 from scipy.spatial.distance import cdist
 
-from ..sketch.polyline import arc_length, resample
+from ..sketch import resample
 
 _OVERLAP = 0.2  # share of a line that neighbouring strokes of it may both cover
 _MISSING = 0.25  # share of a line at its end that may lie beyond what is drawn before it counts as not drawn
@@ -16,44 +15,50 @@ _CLOSED = 0.25  # of the extent of a stroke: the most that may part the ends of 
 _FINE = 4  # points of a closed stroke for each point of its line
 
 
-@dataclass(frozen=True)
-class Chain:
-    """What is drawn of a line, in its order.
+def in_order(strokes: Sequence[np.ndarray], line: np.ndarray) -> np.ndarray | None:
+    """Strokes as one (m, 2), in the order and the direction of a line (k, 2) beside which they lie.
+
+    None if they are drawn over each other: nobody knows which of their points are which.
+    """
+    share = _shares(line)
+    ends = np.concatenate([stroke[[0, -1]] for stroke in strokes])
+    at = share[cdist(ends, line, "sqeuclidean").argmin(axis=1)].reshape(-1, 2)
+    order = at.sum(axis=1).argsort(kind="stable")
+    if (at.min(axis=1)[order[1:]] < at.max(axis=1)[order[:-1]] - _OVERLAP).any():
+        return None
+    return np.concatenate([strokes[k] if at[k, 0] <= at[k, 1] else strokes[k][::-1] for k in order])
+
+
+class Chains:
+    """What is drawn of some lines, each in its order and direction.
 
     Parameters
     ----------
-    points : (m, 2) array
-    start, end : float
-        The shares of the line's length at which it begins and ends.
+    drawn : sequence of (m, 2) arrays
     """
 
-    points: np.ndarray
-    start: float
-    end: float
+    def __init__(self, drawn: Sequence[np.ndarray]) -> None:
+        self._points = np.concatenate(drawn).astype(np.float64)
+        self._last = np.cumsum([len(line) for line in drawn]) - 1
+        self._first = np.concatenate([[0], self._last[:-1] + 1])
+        steps = np.hypot(*np.diff(self._points, axis=0).T)
+        steps[self._last[:-1]] = 1.0  # from one line to the next
+        self._way = np.concatenate([[0.0], np.cumsum(steps)])
 
-    @classmethod
-    def of(cls, strokes: Sequence[np.ndarray], line: np.ndarray) -> Chain | None:
-        """Strokes (m, 2) in the order and the direction of a line (k, 2) beside which they lie.
+    def along(self, lines: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """The points for those of lines (c, k, 2) at equal shares of the length, and which of them are drawn (c, k).
 
-        None if they are drawn over each other: nobody knows which of their points are which.
+        Only near a line's end does what is drawn of it begin or end elsewhere than it.
         """
-        share = _shares(line)
-        ends = np.concatenate([stroke[[0, -1]] for stroke in strokes])
-        at = share[cdist(ends, line, "sqeuclidean").argmin(axis=1)].reshape(-1, 2)
-        order = at.sum(axis=1).argsort(kind="stable")
-        low, high = at.min(axis=1)[order], at.max(axis=1)[order]
-        if (low[1:] < high[:-1] - _OVERLAP).any():
-            return None
-        points = np.concatenate([strokes[k] if at[k, 0] <= at[k, 1] else strokes[k][::-1] for k in order])
-        start, end = low[0], high[-1]
-        return cls(points, start if start > _MISSING else 0.0, end if end < 1 - _MISSING else 1.0)
-
-    def along(self, line: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """The points for those of the line (k, 2) at equal shares of the length, and which of them are drawn (k,)."""
-        share, way = _shares(line), arc_length(self.points)
-        within = (share - self.start) / max(self.end - self.start, 1e-9)
-        drawn = (within > -1e-6) & (within < 1 + 1e-6)
-        return _at(within * way[-1], way, self.points), drawn
+        share = _shares(lines)
+        ends = self._points[np.stack([self._first, self._last], axis=1)]
+        nearest = np.square(ends[:, :, None] - lines[:, None]).sum(axis=3).argmin(axis=2)
+        start, end = np.take_along_axis(share, nearest, axis=1).T[..., None]
+        start, end = np.where(start > _MISSING, start, 0.0), np.where(end < 1 - _MISSING, end, 1.0)
+        within = (share - start) / np.maximum(end - start, 1e-9)
+        length = self._way[self._last] - self._way[self._first]
+        wanted = self._way[self._first, None] + within.clip(0.0, 1.0) * length[:, None]
+        return _at(wanted, self._way, self._points), (within > -1e-6) & (within < 1 + 1e-6)
 
 
 def is_closed(stroke: np.ndarray) -> bool:
@@ -87,13 +92,15 @@ def around(stroke: np.ndarray, line: np.ndarray) -> np.ndarray:
 
 
 def _shares(line: np.ndarray) -> np.ndarray:
-    """Of the length of a line (k, 2), how much lies before each of its points."""
-    along = arc_length(line)
-    return along / max(along[-1], 1e-9)
+    """Of the lengths of lines (..., k, 2), how much lies before each of their points (..., k)."""
+    along = np.linalg.norm(np.diff(line, axis=-2), axis=-1).cumsum(axis=-1)
+    along /= np.maximum(along[..., -1:], 1e-9)
+    return np.concatenate([np.zeros_like(along[..., :1]), along], axis=-1)
 
 
 def _at(wanted: np.ndarray, along: np.ndarray, points: np.ndarray) -> np.ndarray:
-    return np.stack([np.interp(wanted, along, axis) for axis in points.T], axis=1)
+    """The points (..., 2) at some lengths (...) along others (n, 2)."""
+    return np.stack([np.interp(wanted, along, axis) for axis in points.T], axis=-1)
 
 
 def _area(loop: np.ndarray) -> float:

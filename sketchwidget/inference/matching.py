@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import copy
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from scipy.spatial.distance import cdist
 
 from ..sketch import FEATURES, SILHOUETTE, resample_each
-from .chain import Chain, around, halves, is_closed
+from .chain import Chains, around, halves, in_order, is_closed
 from .shape_code import POINTS, ShapeModel, split_lines
 from .soft_limit import soft_limit
 
@@ -103,64 +103,95 @@ class DrawnLines:
         weight : (n,) array
             How much it counts, from 0 to 1.
         """
-        drawn, squares = np.array(points, dtype=np.float64), np.full(len(points), np.inf)
-        for group, ink in self._ink.items():
-            at = PLACES[group]
-            here = _placed(points[at], group, ink, settled)
-            if ink.marks(here, group):
-                drawn[at], squares[at] = here, 0.0
-            else:
-                drawn[at], squares[at] = ink.nearest(here)
+        beside, marked = self.beside(points, settled)
+        drawn, squares = self.nearest(beside, marked)
         return drawn, _weight(squares)
 
-    def along(self, points: np.ndarray, settled: bool = False) -> tuple[np.ndarray, np.ndarray]:
-        """The drawn point for each point of a face's lines at equal shares of the length, as `match` has them.
+    def beside(self, points: np.ndarray, settled: bool) -> tuple[np.ndarray, np.ndarray]:
+        """Points (n, 2) moved onto their strokes unless they are near already, and which (n,) are of eyes that are dots."""
+        beside, marked = np.array(points, dtype=np.float64), np.zeros(len(points), dtype=bool)
+        for group, ink in self._ink.items():
+            at = PLACES[group]
+            # Of lids it is easily the wrong one that is nearest.
+            if group in _EYES or (not settled and group in _PLACED_WHOLE):
+                beside[at] += ink.middle - _middle(beside[at])
+            marked[at] = group in _EYES and ink.breadth < _MARK * np.ptp(beside[at], axis=0).max()
+        return beside, marked
+
+    def nearest(self, beside: np.ndarray, known: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """The drawn points (n, 2) nearest to some that are beside them, and their squared distances (n,).
+
+        Where all points of a feature are known (n,), they stay.
+        """
+        drawn, squares = beside.copy(), np.where(known, 0.0, np.inf)
+        for group, ink in self._ink.items():
+            at = PLACES[group]
+            if not known[at].all():
+                apart = cdist(beside[at], ink.points, "sqeuclidean")  # of so few points quicker than a tree
+                nearest = apart.argmin(axis=1)
+                drawn[at], squares[at] = ink.points[nearest], apart[np.arange(len(at)), nearest]
+        return drawn, squares
+
+    def by_line(self, beside: np.ndarray) -> dict[str, list[np.ndarray]]:
+        """The strokes of each line: an ellipse is two halves, and what is drawn of one of two partners is both.
+
+        Parameters
+        ----------
+        beside : (n, 2) array
+            See `beside`.
+        """
+        own: dict[str, list[np.ndarray]] = {}
+        for group in self._ink:
+            names = [name for name in _AT if GROUPS[name] == group]
+            every = [stroke for name in names for stroke in self._strokes.get(name, ())]
+            own |= {name: self._strokes.get(name, every) for name in names}
+            if len(names) > 1 and len(every) == 1 and is_closed(every[0]):
+                first, *_, last = beside[_AT[names[0]]]
+                own |= {name: [half] for name, half in zip(names, halves(every[0], last - first), strict=True)}
+        return own
+
+
+class OrderedLines:
+    """Drawn lines, each of whose points is one of a face's lines by its share of the length.
+
+    Parameters
+    ----------
+    lines : DrawnLines
+    points : (n, 2) array
+        Of a face's lines as `DrawnLines.match` takes them: beside these, strokes are put in their order.
+    """
+
+    def __init__(self, lines: DrawnLines, points: np.ndarray) -> None:
+        self._lines = lines
+        beside, marked = lines.beside(points, settled=False)
+        own = lines.by_line(beside)
+        outline = own.pop(SILHOUETTE, [])
+        self._outline = outline[0] if len(outline) == 1 and is_closed(outline[0]) else None
+        chains = {name: in_order(own[name], beside[_AT[name]]) for name in own if not marked[_AT[name][0]]}
+        known = {name: chain for name, chain in chains.items() if chain is not None}
+        self._at = np.array([_AT[name] for name in known])
+        self._chains = Chains(list(known.values())) if known else None
+        self._known = np.zeros(len(points), dtype=bool)
+        for name in (*known, *([SILHOUETTE] if self._outline is not None else [])):
+            self._known[_AT[name]] = True
+
+    def match(self, points: np.ndarray, settled: bool = False) -> tuple[np.ndarray, np.ndarray]:
+        """The drawn point for each point of a face's lines; parameters and returns as `DrawnLines.match` has them.
 
         What is missing at the end of a line has no weight. Where strokes are drawn over each other, or an outline is
         open, it is the nearest point.
         """
-        drawn, squares = np.array(points, dtype=np.float64), np.full(len(points), np.inf)
-        for group, ink in self._ink.items():
-            at = PLACES[group]
-            drawn[at] = _placed(points[at], group, ink, settled)
-            if ink.marks(drawn[at], group):
-                squares[at] = 0.0
-                continue
-            for name, strokes in self._strokes_of(group, drawn):
-                line = drawn[_AT[name]]
-                drawn[_AT[name]], squares[_AT[name]] = _by_length(name, strokes, line) or ink.nearest(line)
+        beside, marked = self._lines.beside(points, settled)
+        drawn, squares = self._lines.nearest(beside, marked | self._known)
+        if self._chains is not None:
+            found, seen = self._chains.along(beside[self._at])
+            drawn[self._at] = found
+            squares[self._at] = np.where(seen, np.square(found - beside[self._at]).sum(axis=2), np.inf)
+        if self._outline is not None:
+            at = _AT[SILHOUETTE]
+            drawn[at] = around(self._outline, beside[at])
+            squares[at] = np.square(drawn[at] - beside[at]).sum(axis=1)
         return drawn, _weight(squares)
-
-    def _strokes_of(self, group: str, points: np.ndarray) -> Iterator[tuple[str, list[np.ndarray]]]:
-        """The strokes of each line of a group; of an ellipse either half, and of two lines drawn as one that one."""
-        names = [name for name in _AT if GROUPS[name] == group]
-        every = [stroke for name in names for stroke in self._strokes.get(name, ())]
-        own = {name: self._strokes.get(name, every) for name in names}
-        if len(names) > 1 and len(every) == 1 and is_closed(every[0]):
-            ends = points[_AT[names[0]]][[0, -1]]
-            own = dict(zip(names, ([half] for half in halves(every[0], ends[1] - ends[0])), strict=True))
-        yield from own.items()
-
-
-def _placed(points: np.ndarray, group: str, ink: _Ink, settled: bool) -> np.ndarray:
-    """Points (k, 2) of a group, moved onto its strokes unless they are near them already."""
-    # Of lids it is easily the wrong one that is nearest.
-    if group in _EYES or (not settled and group in _PLACED_WHOLE):
-        return points + ink.middle - _middle(points)
-    return points
-
-
-def _by_length(name: str, strokes: list[np.ndarray], line: np.ndarray) -> tuple[np.ndarray, np.ndarray] | None:
-    """Points (k, 2) of strokes for those of their line and their squared distances; None if nothing tells which."""
-    if name == SILHOUETTE:
-        if len(strokes) > 1 or not is_closed(strokes[0]):
-            return None
-        found, seen = around(strokes[0], line), True
-    elif (chain := Chain.of(strokes, line)) is not None:
-        found, seen = chain.along(line)
-    else:
-        return None
-    return found, np.where(seen, ((found - line) ** 2).sum(axis=1), np.inf)
 
 
 def _weight(squares: np.ndarray) -> np.ndarray:
@@ -179,16 +210,6 @@ class _Ink:
     def of(cls, points: np.ndarray) -> _Ink:
         return cls(points, _middle(points), np.ptp(points, axis=0).max())
 
-    def marks(self, here: np.ndarray, group: str) -> bool:
-        """Whether it only marks where an eye is whose points are `here` (k, 2)."""
-        return group in _EYES and self.breadth < _MARK * np.ptp(here, axis=0).max()
-
-    def nearest(self, here: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """The nearest of its points to some (k, 2), and their squared distances (k,)."""
-        apart = cdist(here, self.points, "sqeuclidean")  # of so few points quicker than a tree
-        nearest = apart.argmin(axis=1)
-        return self.points[nearest], apart[np.arange(len(here)), nearest]
-
 
 def shape_code(model: ShapeModel, points: np.ndarray, drawn: DrawnLines) -> np.ndarray:
     """A drawing's lines as `ShapeModel.describe` has them (p + q + 2 n,), from a guess of where they are.
@@ -203,8 +224,9 @@ def shape_code(model: ShapeModel, points: np.ndarray, drawn: DrawnLines) -> np.n
     drawn : DrawnLines
         In that frame.
     """
+    ordered = OrderedLines(drawn, points)
     for turn in range(_ROUNDS):
-        found, weight = drawn.along(points, settled=turn > 0)
+        found, weight = ordered.match(points, settled=turn > 0)
         code = model.encode(found[None], weight[None])
         points = model.decode(code)[0]
     left_over = model.left_over(code, found[None], weight[None])

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 from tqdm import tqdm
 
-from ..database.database import DatabaseFace
+from ..database.store import WRINKLE_POINTS
 from ..face import Face
 from ..face.model import FaceModel
 from ..geometry.view import View
@@ -17,9 +17,10 @@ from ..inference.matching import DrawnLines, shape_code
 from ..inference.refinement import LineRefiner, Match
 from ..inference.regressor import BY_PIXELS, FaceRegressor
 from ..inference.shape_code import split_lines
-from ..sketch import SILHOUETTE, Sketch
+from ..sketch import SILHOUETTE, WRINKLE, Sketch, resample_each
 from ..sketch.hand import PARTS, Hand
 from .examples import Variety, noisy_view
+from .face_table import LINES
 from .manners import Drawn, Manner, draw
 from .maps import skin_of
 from .pipeline import Pipeline
@@ -40,37 +41,44 @@ class TestSet:
 
     Parameters
     ----------
-    faces : list of DatabaseFace
+    faces : list of Face
     drawn : list of Drawn
     """
 
-    faces: list[DatabaseFace]
+    faces: list[Face]
     drawn: list[Drawn]
 
 
 def test_set(pipeline: Pipeline, split: str, manner: Manner, count: int) -> TestSet:
     """Faces of a split, drawn in a manner; the same arguments give the same drawings."""
-    table, view, random = pipeline.table, View(), np.random.default_rng(0)
+    view, random = View(), np.random.default_rng(0)
     faces, drawn = [], []
-    for number in pipeline.unseen(split, count):
-        row, expression = divmod(int(number), len(pipeline.database.expressions))
-        points = table.points[row, expression].astype(np.float32)
+    for number in map(int, pipeline.unseen(split, count)):
+        face = pipeline.face(number)
         seen_from = view if manner is Manner.EXACT else noisy_view(Variety().view, random)
-        lines, front = table.lines(seen_from.project(points)), table.lines(view.project(points))
-        drawn.append(draw(manner, lines, set(PARTS), table.wrinkles[row, expression], front, Hand(), random))
-        faces.append(pipeline.database[int(number)])
+        lines, front = ({name: of.project(face.curve(name)) for name in LINES} for of in (seen_from, view))
+        drawn.append(draw(manner, lines, set(PARTS), _wrinkles(pipeline, number, face), front, Hand(), random))
+        faces.append(face)
     return TestSet(faces, drawn)
+
+
+def _wrinkles(pipeline: Pipeline, number: int, face: Face) -> np.ndarray:
+    """Wrinkle lines (w, m, 2) of a face as a database holds them, NaN where there are no more."""
+    database = pipeline.database
+    if number < len(database):
+        return database.wrinkles(database[number])
+    return resample_each(face.sketch().lines.get(WRINKLE, []), WRINKLE_POINTS)
 
 
 test_set.__test__ = False  # not one of pytest's
 
 
-def vertex_errors(faces: list[DatabaseFace], weights: Weights | None) -> np.ndarray:
+def vertex_errors(faces: list[Face], weights: Weights | None) -> np.ndarray:
     """Distance in mm of each vertex of the skin (s,) from that of weights (m, p) and (m, q), mean over faces.
 
     Without weights, from that of the mean face.
     """
-    model = faces[0].face.model
+    model = faces[0].model
     skin = skin_of(model)
     total = np.zeros(int(skin.sum()))
     for number, face in enumerate(faces):
@@ -178,7 +186,7 @@ def methods_of(name: str, regressor: FaceRegressor) -> dict[str, Method]:
 def compare(pipeline: Pipeline, methods: Mapping[str, Method], split: str, count: int) -> Errors:
     """Errors of the mean face, of the best fit that the model can hold, and of methods, by manner of drawing."""
     model = pipeline.database.model
-    faces = [pipeline.database[int(number)] for number in pipeline.unseen(split, count)]
+    faces = [pipeline.face(int(number)) for number in pipeline.unseen(split, count)]
     best = [model.fit(face.vertices) for face in tqdm(faces, desc=f"best fits, {split}", unit="face", leave=False)]
     references = {"mean face": vertex_errors(faces, None), "best fit in 3D": vertex_errors(faces, _stacked(best))}
     methods = {"MMfitting": morphable_model_fit(model), **methods}

@@ -16,6 +16,7 @@ import torch
 
 from ..database.database import FaceDatabase
 from ..database.provenance import provenance
+from ..face import Face
 from ..files.kept import keep, kept
 from ..inference.network import COMPACT, Layout, PixelShapeCNN
 from ..inference.network_file import read_network, save_network
@@ -76,11 +77,24 @@ class Pipeline:
         return np.concatenate([self.kept, np.arange(len(self.database), faces)])
 
     def unseen(self, split: str, count: int) -> np.ndarray:
-        """Numbers (m,) of faces that networks did not train on: of people that they know ("random") or do not."""
-        left_out = self.database.split(split, SEED)[1]
+        """Numbers (m,) of faces that networks did not train on; see `face`.
+
+        "identity": of people whom they do not know. "random": of a tenth of what the paper trains and tests on, faces
+        of the people that the model is made of and others interpolated between these (4.4).
+        """
+        database = self.database
+        left_out = database.split(split, SEED)[1]
         if split == "random":
-            left_out = np.setdiff1d(left_out, self.database.split("identity", SEED)[1])
+            left_out = np.setdiff1d(left_out, database.split("identity", SEED)[1])
+            left_out = left_out[left_out < len(database.model.bilinear.identities) * len(database.expressions)]
+            between = np.random.default_rng(SEED).permutation(len(database.interpolated))
+            left_out = np.concatenate([left_out, len(database) + between[: len(between) // 10]])
         return np.sort(np.random.default_rng(SEED).permutation(left_out)[:count])
+
+    def face(self, number: int) -> Face:
+        """A face by its number; the interpolated ones follow those of the database."""
+        within = number < len(self.database)
+        return self.database[number].face if within else self.database.interpolated[number - len(self.database)]
 
     @cached_property
     def shape_model(self) -> ShapeModel:

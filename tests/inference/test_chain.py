@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sketchwidget.inference.chain import Chain, around, halves, is_closed
+from sketchwidget.inference.chain import Chains, around, halves, in_order, is_closed
 
 # A line of length 1 bent at its middle, by points that are not evenly spaced.
 SHARES = np.array([0.0, 0.1, 0.3, 0.5, 0.6, 0.8, 1.0])
@@ -24,8 +24,14 @@ def loop(count=200):
     return np.stack([0.5 + 0.3 * np.sin(angle), 0.5 - 0.4 * np.cos(angle) - 0.05 * np.cos(2 * angle)], axis=1)
 
 
+def along(strokes):
+    """The points of some strokes for those of the line, and which are drawn."""
+    found, drawn = Chains([in_order(strokes, LINE)]).along(LINE[None])
+    return found[0], drawn[0]
+
+
 def test_a_stroke_twice_as_large_has_each_point_of_the_line():
-    found, drawn = Chain.of([2 * part(0, 1)], LINE).along(LINE)
+    found, drawn = along([2 * part(0, 1)])
     np.testing.assert_allclose(found, 2 * LINE, atol=1e-3)
     assert drawn.all()
 
@@ -34,20 +40,27 @@ def test_a_stroke_twice_as_large_has_each_point_of_the_line():
 def test_pieces_are_put_in_order_whichever_way_they_run(order, turned):
     pieces = [part(0, 0.33), part(0.34, 0.66), part(0.67, 1)]
     pieces = [pieces[k][::-1] if back else pieces[k] for k, back in zip(order, turned, strict=True)]
-    found, drawn = Chain.of(pieces, LINE).along(LINE)
+    found, drawn = along(pieces)
     np.testing.assert_allclose(found, LINE, atol=0.01)
     assert drawn.all()
 
 
 def test_what_is_missing_at_an_end_is_not_drawn():
-    found, drawn = Chain.of([part(0.5, 1)], LINE).along(LINE)
+    found, drawn = along([part(0.5, 1)])
     np.testing.assert_array_equal(drawn, SHARES >= 0.5)
     np.testing.assert_allclose(found[drawn], LINE[drawn], atol=1e-3)
 
 
+def test_lines_do_not_depend_on_each_other():
+    others = [part(0, 1), 0.5 * part(0, 1)[::-1]]
+    found, drawn = Chains(others).along(np.stack([LINE, 0.5 * LINE[::-1]]))
+    np.testing.assert_allclose(found, [LINE, 0.5 * LINE[::-1]], atol=1e-3)
+    assert drawn.all()
+
+
 def test_strokes_over_each_other_are_no_chain():
-    assert Chain.of([part(0, 0.7), part(0.3, 1)], LINE) is None
-    assert Chain.of([part(0, 0.55), part(0.45, 1)], LINE) is not None
+    assert in_order([part(0, 0.7), part(0.3, 1)], LINE) is None
+    assert in_order([part(0, 0.55), part(0.45, 1)], LINE) is not None
 
 
 def test_a_stroke_that_comes_back_is_closed():

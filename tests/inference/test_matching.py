@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from sketchwidget import FaceModel
 from sketchwidget.face.drawing import outline
 from sketchwidget.geometry import View
-from sketchwidget.inference.matching import GROUPS, DrawnLines, shape_code
+from sketchwidget.inference.matching import GROUPS, DrawnLines, OrderedLines, shape_code
 from sketchwidget.inference.shape_code import COUNTS, ShapeModel, sample, split_lines
 from sketchwidget.sketch import FEATURES, SILHOUETTE, WRINKLE
 
@@ -193,7 +193,8 @@ def test_points_along_lines_are_nearer_the_true_ones_than_the_nearest(seed):
         names += [name] * len(pieces)
     lines = DrawnLines(strokes, names)
     nearest, along = (
-        np.linalg.norm(found - POINTS, axis=1) for found in (lines.match(guess)[0], lines.along(guess)[0])
+        np.linalg.norm(found - POINTS, axis=1)
+        for found in (lines.match(guess)[0], OrderedLines(lines, guess).match(guess)[0])
     )
     assert along.mean() < 0.5 * nearest.mean()
     assert along.mean() < 0.003
@@ -203,12 +204,12 @@ def test_a_dot_marks_an_eye_whose_shape_stays():
     eye = ["left_eye_upper", "left_eye_lower"]
     dot = LINES[eye[0]].mean(axis=0) + 0.004 * CIRCLE + (0.0, 0.02)
     lines = DrawnLines([dot], eye[:1])
-    for one, other in zip(lines.match(POINTS), lines.along(POINTS), strict=True):
+    for one, other in zip(lines.match(POINTS), OrderedLines(lines, POINTS).match(POINTS), strict=True):
         np.testing.assert_array_equal(one, other)
 
 
 def test_a_brow_of_two_strokes_over_each_other_is_matched_to_the_nearest_points():
     brow = LINES["left_brow"]
     lines = DrawnLines([brow, np.add(brow, (0.0, 0.004))], ["left_brow"] * 2)
-    for one, other in zip(lines.match(POINTS), lines.along(POINTS), strict=True):
+    for one, other in zip(lines.match(POINTS), OrderedLines(lines, POINTS).match(POINTS), strict=True):
         np.testing.assert_array_equal(of("left_brow", one), of("left_brow", other))

@@ -13,11 +13,13 @@ from safetensors.torch import save_file
 from typer.testing import CliRunner
 
 from sketchwidget import FaceModel, FaceRegressor, Sketch, cli
+from sketchwidget.database.database import Interpolated
 from sketchwidget.database.drawings import Drawing, write_drawings
 from sketchwidget.face.bilinear import fit_identity
 from sketchwidget.inference.network import TINY, PixelShapeCNN
 from sketchwidget.inference.network_file import read_network
 from sketchwidget.training.curve import Curve, read_curve
+from sketchwidget.training.evaluate import test_set
 from sketchwidget.training.examples import Variety
 from sketchwidget.training.face_table import vertex_metric
 from sketchwidget.training.loss import VertexLoss
@@ -276,6 +278,20 @@ def test_unseen_faces_are_none_of_those_that_are_trained_on(database, pipeline):
     assert len(pipeline.unseen("identity", 5)) == 5 and set(pipeline.unseen("identity", 5)) <= unknown
 
 
+def test_a_tenth_of_the_random_split_s_faces_lies_between_others(database, tmp_path, monkeypatch):
+    """As in the paper's final data: those of the model's people, and interpolated ones."""
+    monkeypatch.setitem(database.__dict__, "interpolated", Interpolated(database.model, 40, seed=7))
+    pipeline = Pipeline(database, tmp_path)
+    numbers = pipeline.unseen("random", 99)
+    between = numbers[numbers >= len(database)]
+    assert len(between) == 4 and between.max() < len(database) + 40
+    face = pipeline.face(int(between[0]))
+    np.testing.assert_array_equal(face.vertices, database.interpolated[int(between[0]) - len(database)].vertices)
+    np.testing.assert_array_equal(pipeline.face(3).vertices, database[3].vertices)
+    tests = test_set(pipeline, "random", Manner.EXACT, 99)
+    assert len(tests.drawn) == len(numbers) and all(drawn.image.any() for drawn in tests.drawn)
+
+
 def test_a_process_alone_leads(monkeypatch):
     for name in ("RANK", "WORLD_SIZE", "LOCAL_RANK"):
         monkeypatch.delenv(name, raising=False)
@@ -298,6 +314,7 @@ import torch
 
 from sketchwidget.database.database import FaceDatabase
 from sketchwidget.inference.network import TINY, PixelShapeCNN
+from sketchwidget.training.evaluate import test_set
 from sketchwidget.training.examples import Variety
 from sketchwidget.training.face_table import vertex_metric
 from sketchwidget.training.network import Schedule, train
