@@ -108,7 +108,7 @@ class DrawnLines:
         return drawn, _weight(squares)
 
     def beside(self, points: np.ndarray, settled: bool) -> tuple[np.ndarray, np.ndarray]:
-        """Points (n, 2) moved onto their strokes unless they are near already, and which (n,) are of eyes that are dots."""
+        """Points (n, 2) moved onto their strokes unless near already, and which (n,) are of eyes that are dots."""
         beside, marked = np.array(points, dtype=np.float64), np.zeros(len(points), dtype=bool)
         for group, ink in self._ink.items():
             at = PLACES[group]
