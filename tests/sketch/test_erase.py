@@ -3,7 +3,7 @@ from itertools import pairwise
 import cv2
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 
@@ -83,9 +83,12 @@ def test_erasing_never_adds_ink(drawing, path, radius):
 
 
 @given(drawings, paths, radii)
+@example([[[0.21875, 0.21875], [0.21875, 0.9902], [0.0, 1.0]]], [[0.21875, 1.0]], 0.046875)
 def test_ink_outside_the_eraser_stays(drawing, path, radius):
     sketch = Sketch.from_strokes(drawing)
-    gone = np.argwhere(sketch.image(128) & ~spread(erase(sketch, path, radius).image(128)))[::7, ::-1]
+    missing = sketch.image(128) & ~spread(erase(sketch, path, radius).image(128))
+    missing[[0, -1]] = missing[:, [0, -1]] = False  # along the border, a line that is cut may round off the picture
+    gone = np.argwhere(missing)[::7, ::-1]
     # Crumbs reach half a radius out, and ink is some pixels broad.
     assert distance_to_path((gone + 0.5) / 128, path).max(initial=0) <= 1.5 * radius + 4 / 128
 
