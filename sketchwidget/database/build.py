@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -84,9 +84,12 @@ class Maker:
 
     def _exaggerated(self, number: int, mend: Callable[[np.ndarray], np.ndarray]) -> np.ndarray:
         """One identity (levels, e, n, 3), each of its heads mended before they are exaggerated."""
-        posed = self.scale * (self.source.heads(number) - self.origin)
-        posed = np.stack([mend(head) for head in posed])
-        return self._exaggeration(posed[self.source.expressions.index("neutral")], posed)
+        try:
+            posed = self.scale * (self.source.heads(number) - self.origin)
+            posed = np.stack([mend(head) for head in posed])
+            return self._exaggeration(posed[self.source.expressions.index("neutral")], posed)
+        except ValueError as error:
+            raise ValueError(f"identity {number} of the source {self.source.name}: {error}") from error
 
     def _wrinkled(self, head: np.ndarray) -> np.ndarray:
         template = self.source.template
@@ -147,21 +150,32 @@ def build(
     if missing := store.missing():
         (out / MODEL).unlink(missing_ok=True)
         goes = [missing[start : start + _TOGETHER] for start in range(0, len(missing), _TOGETHER)]
-        made: Any = Parallel(n_jobs=jobs, return_as="generator_unordered")(delayed(_make)(maker, go) for go in goes)
+        made = in_processes((delayed(_make)(maker, go) for go in goes), jobs)
         with tqdm(total=identities, initial=identities - len(missing), desc="identities", unit="head") as bar:
-            try:
-                for heads in made:
-                    for number, identity in heads:
-                        store.write(number, identity)
-                        bar.update()
-            except TerminatedWorkerError as error:
-                raise OSError(
-                    "a process of the build was killed, most likely for lack of memory: give fewer --jobs; what is"
-                    " built stays, and the same command goes on"
-                ) from error
+            for heads in made:
+                for number, identity in heads:
+                    store.write(number, identity)
+                    bar.update()
     if not _is_sound(out / MODEL):
         decomposed(store, source.template).save(out / MODEL, provenance or {})
     return store
+
+
+def in_processes(calls: Iterable[Any], jobs: int | None) -> Iterator[Any]:
+    """What joblib's delayed calls give, in whatever order they end.
+
+    Raises
+    ------
+    OSError
+        If a process is killed.
+    """
+    try:
+        yield from Parallel(n_jobs=jobs, return_as="generator_unordered")(calls)
+    except TerminatedWorkerError as error:
+        raise OSError(
+            "a process of the build was killed, most likely for lack of memory: give fewer --jobs; what is built stays,"
+            " and the same command goes on"
+        ) from error
 
 
 def prepare(source: FaceSource, identities: int) -> Maker:
@@ -208,11 +222,4 @@ def _is_sound(model: Path) -> bool:
 
 
 def _make(maker: Maker, numbers: Iterable[int]) -> list[tuple[int, Heads]]:
-    return [(number, _made(maker, number)) for number in numbers]
-
-
-def _made(maker: Maker, number: int) -> Heads:
-    try:
-        return maker(number)
-    except ValueError as error:
-        raise ValueError(f"identity {number} of the source {maker.source.name}: {error}") from error
+    return [(number, maker(number)) for number in numbers]

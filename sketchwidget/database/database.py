@@ -20,6 +20,7 @@ from ..geometry.view import View
 from ..sketch import WRINKLE, Segment, Sketch
 from .build import MODEL, decomposed
 from .provenance import licence
+from .source import FaceSource
 from .store import Store
 
 _LEFT_OUT = 0.1  # of the faces, or of the identities, in the test part of a split (paper 4.4)
@@ -194,6 +195,21 @@ class FaceDatabase(Sequence[DatabaseFace]):
         """Share of the faces whose "lips" cross, and of those whose "lids" enter the eyeballs."""
         found = np.asarray(self._store.array("crossing")[:]) > 0
         return dict(zip(("lips", "lids"), found.reshape(-1, 2).mean(axis=0).tolist(), strict=True))
+
+    def require_source(self, source: FaceSource, scale: float, origin: np.ndarray) -> None:
+        """See that a source gives the heads that this database was built from, in the frame of their maker.
+
+        Raises
+        ------
+        ValueError
+            If its expressions or its heads are others.
+        """
+        if source.name != self._store.plan.source or tuple(source.expressions) != self.expressions:
+            raise ValueError(
+                f"the database is of the source {self._store.plan.source} and the expressions"
+                f" {', '.join(self.expressions)}; given {source.name} with {', '.join(source.expressions)}"
+            )
+        self._store.require_frame(scale, origin)
 
     @property
     def origin(self) -> dict[str, str]:

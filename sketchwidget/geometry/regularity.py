@@ -23,13 +23,12 @@ def folded(vertices: np.ndarray, faces: np.ndarray) -> np.ndarray:
     sides, _ = igl.triangle_triangle_adjacency(np.asarray(faces, dtype=np.int64))[:2]
     first, side = np.nonzero(sides > np.arange(len(faces))[:, None])
     second = sides[first, side]
-    corners = np.asarray(vertices, dtype=np.float64)[faces]
-    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    return (normals[first] * normals[second]).sum(axis=1) < 0
+    normal = normals(vertices, faces)
+    return (normal[:, first] * normal[:, second]).sum(axis=0) < 0
 
 
 def normals(vertices: np.ndarray, faces: np.ndarray) -> np.ndarray:
-    """The normals (3, m) of the triangles of a mesh, twice as long as they are large."""
+    """The normals (3, m) of the triangles of a mesh, as long as twice their areas."""
     corners = np.asarray(vertices, dtype=np.float64).T.take(np.asarray(faces).T, axis=1)
     (x, y, z), (u, v, w) = (corners[:, k] - corners[:, 0] for k in (1, 2))
     return np.stack([y * w - z * v, z * u - x * w, x * v - y * u])

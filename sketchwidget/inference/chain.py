@@ -7,10 +7,11 @@ from collections.abc import Sequence
 import numpy as np
 from scipy.spatial.distance import cdist
 
-from ..sketch import resample
+from ..sketch.polyline import one_behind_the_other, resample
 
 _OVERLAP = 0.2  # share of a line that neighbouring strokes of it may both cover
 _MISSING = 0.25  # share of a line at its end that may lie beyond what is drawn before it counts as not drawn
+_SPANNED = 0.3  # share of a line from where its first stroke begins to where its last one ends, at least
 _CLOSED = 0.25  # of the extent of a stroke: the most that may part the ends of a closed one
 _FINE = 4  # points of a closed stroke for each point of its line
 
@@ -18,13 +19,14 @@ _FINE = 4  # points of a closed stroke for each point of its line
 def in_order(strokes: Sequence[np.ndarray], line: np.ndarray) -> np.ndarray | None:
     """Strokes as one (m, 2), in the order and the direction of a line (k, 2) beside which they lie.
 
-    None if they are drawn over each other: nobody knows which of their points are which.
+    None where nobody knows which of their points are which: they are drawn over each other, or a stroke comes back.
     """
     share = _shares(line)
     ends = np.concatenate([stroke[[0, -1]] for stroke in strokes])
     at = share[cdist(ends, line, "sqeuclidean").argmin(axis=1)].reshape(-1, 2)
-    order = at.sum(axis=1).argsort(kind="stable")
-    if (at.min(axis=1)[order[1:]] < at.max(axis=1)[order[:-1]] - _OVERLAP).any():
+    order, low, high = at.sum(axis=1).argsort(kind="stable"), at.min(axis=1), at.max(axis=1)
+    over = (low[order[1:]] < high[order[:-1]] - _OVERLAP).any()
+    if over or high.max() - low.min() < _SPANNED or any(is_closed(stroke) for stroke in strokes):
         return None
     return np.concatenate([strokes[k] if at[k, 0] <= at[k, 1] else strokes[k][::-1] for k in order])
 
@@ -38,31 +40,29 @@ class Chains:
     """
 
     def __init__(self, drawn: Sequence[np.ndarray]) -> None:
-        self._points = np.concatenate(drawn).astype(np.float64)
-        self._last = np.cumsum([len(line) for line in drawn]) - 1
-        self._first = np.concatenate([[0], self._last[:-1] + 1])
-        steps = np.hypot(*np.diff(self._points, axis=0).T)
-        steps[self._last[:-1]] = 1.0  # from one line to the next
-        self._way = np.concatenate([[0.0], np.cumsum(steps)])
+        self._points, self._first, self._last, self._way = one_behind_the_other(drawn)
 
     def along(self, lines: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """The points for those of lines (c, k, 2) at equal shares of the length, and which of them are drawn (c, k).
 
-        Only near a line's end does what is drawn of it begin or end elsewhere than it.
+        What begins or ends within a quarter of a line's length from its end is taken to reach it: people draw brows
+        shorter than they are. Beyond, the rest of the line is not drawn.
         """
         share = _shares(lines)
         ends = self._points[np.stack([self._first, self._last], axis=1)]
         nearest = np.square(ends[:, :, None] - lines[:, None]).sum(axis=3).argmin(axis=2)
         start, end = np.take_along_axis(share, nearest, axis=1).T[..., None]
         start, end = np.where(start > _MISSING, start, 0.0), np.where(end < 1 - _MISSING, end, 1.0)
-        within = (share - start) / np.maximum(end - start, 1e-9)
+        whole = end - start < _SPANNED  # the line lies elsewhere
+        start, end = np.where(whole, 0.0, start), np.where(whole, 1.0, end)
+        within = (share - start) / (end - start)
         length = self._way[self._last] - self._way[self._first]
         wanted = self._way[self._first, None] + within.clip(0.0, 1.0) * length[:, None]
         return _at(wanted, self._way, self._points), (within > -1e-6) & (within < 1 + 1e-6)
 
 
 def is_closed(stroke: np.ndarray) -> bool:
-    """Whether a stroke (m, 2) comes back to where it began."""
+    """Whether a stroke (m, 2) comes back to where it began; so does a dot."""
     return bool(np.linalg.norm(stroke[0] - stroke[-1]) <= _CLOSED * np.ptp(stroke, axis=0).max())
 
 

@@ -152,7 +152,7 @@ class DrawnLines:
 
 
 class OrderedLines:
-    """Drawn lines, each of whose points is one of a face's lines by its share of the length.
+    """Drawn lines of which it is known where they begin and which way they run, so that shares of length tell points.
 
     Parameters
     ----------
@@ -178,8 +178,8 @@ class OrderedLines:
     def match(self, points: np.ndarray, settled: bool = False) -> tuple[np.ndarray, np.ndarray]:
         """The drawn point for each point of a face's lines; parameters and returns as `DrawnLines.match` has them.
 
-        What is missing at the end of a line has no weight. Where strokes are drawn over each other, or an outline is
-        open, it is the nearest point.
+        They are at the same shares of the length of both lines. What is missing at the end of a line has no weight.
+        Where strokes are drawn over each other or come back, or an outline is open, it is the nearest point.
         """
         beside, marked = self._lines.beside(points, settled)
         drawn, squares = self._lines.nearest(beside, marked | self._known)

@@ -59,7 +59,7 @@ def resample_each(lines: Sequence[np.ndarray], n: int) -> np.ndarray:
         raise ValueError(f"a polyline is resampled to at least 1 point; given {n}")
     if not len(lines):
         return np.empty((0, n, 2), dtype=np.float32)
-    points, first, last, along = _one_behind_the_other(lines)
+    points, first, last, along = one_behind_the_other(lines)
     wanted = along[first, None] + (along[last] - along[first])[:, None] * (np.arange(n) / max(n - 1, 1))
     resampled = np.stack([np.interp(wanted, along, axis) for axis in points.T], axis=2)
     if n > 1:
@@ -71,11 +71,11 @@ def lengths(lines: Sequence[np.ndarray] | np.ndarray) -> np.ndarray:
     """Lengths (k,) of polylines; thousands cost hardly more than one."""
     if not len(lines):
         return np.empty(0)
-    _, first, last, along = _one_behind_the_other(lines)
+    _, first, last, along = one_behind_the_other(lines)
     return along[last] - along[first]
 
 
-def _one_behind_the_other(
+def one_behind_the_other(
     lines: Sequence[np.ndarray] | np.ndarray,
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     """Points (n, 2) of k lines, where each begins (k,) and ends (k,), and the way (n,) along all of them to each point.

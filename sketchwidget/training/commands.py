@@ -124,7 +124,7 @@ def network(
     ] = False,
     further: Annotated[
         int,
-        typer.Option(min=0, help="People to train on beyond those of the database, made for it, of the same source."),
+        typer.Option(min=0, help="People to train on beyond those of the database, from the same source; made first."),
     ] = 0,
     jobs: Annotated[int, typer.Option(min=1, help="Processes that make further people.")] = 1,
     start: Annotated[

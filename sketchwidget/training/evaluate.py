@@ -9,7 +9,6 @@ from pathlib import Path
 import numpy as np
 from tqdm import tqdm
 
-from ..database.store import WRINKLE_POINTS
 from ..face import Face
 from ..face.model import FaceModel
 from ..geometry.view import View
@@ -17,7 +16,7 @@ from ..inference.matching import DrawnLines, shape_code
 from ..inference.refinement import LineRefiner, Match
 from ..inference.regressor import BY_PIXELS, FaceRegressor
 from ..inference.shape_code import split_lines
-from ..sketch import SILHOUETTE, WRINKLE, Sketch, resample_each
+from ..sketch import SILHOUETTE, Sketch
 from ..sketch.hand import PARTS, Hand
 from .examples import Variety, noisy_view
 from .face_table import LINES
@@ -53,21 +52,12 @@ def test_set(pipeline: Pipeline, split: str, manner: Manner, count: int) -> Test
     """Faces of a split, drawn in a manner; the same arguments give the same drawings."""
     view, random = View(), np.random.default_rng(0)
     faces, drawn = [], []
-    for number in map(int, pipeline.unseen(split, count)):
-        face = pipeline.face(number)
+    for face, wrinkles in pipeline.faces(split, count):
         seen_from = view if manner is Manner.EXACT else noisy_view(Variety().view, random)
         lines, front = ({name: of.project(face.curve(name)) for name in LINES} for of in (seen_from, view))
-        drawn.append(draw(manner, lines, set(PARTS), _wrinkles(pipeline, number, face), front, Hand(), random))
+        drawn.append(draw(manner, lines, set(PARTS), wrinkles, front, Hand(), random))
         faces.append(face)
     return TestSet(faces, drawn)
-
-
-def _wrinkles(pipeline: Pipeline, number: int, face: Face) -> np.ndarray:
-    """Wrinkle lines (w, m, 2) of a face as a database holds them, NaN where there are no more."""
-    database = pipeline.database
-    if number < len(database):
-        return database.wrinkles(database[number])
-    return resample_each(face.sketch().lines.get(WRINKLE, []), WRINKLE_POINTS)
 
 
 test_set.__test__ = False  # not one of pytest's
@@ -186,7 +176,7 @@ def methods_of(name: str, regressor: FaceRegressor) -> dict[str, Method]:
 def compare(pipeline: Pipeline, methods: Mapping[str, Method], split: str, count: int) -> Errors:
     """Errors of the mean face, of the best fit that the model can hold, and of methods, by manner of drawing."""
     model = pipeline.database.model
-    faces = [pipeline.face(int(number)) for number in pipeline.unseen(split, count)]
+    faces = [face for face, _ in pipeline.faces(split, count)]
     best = [model.fit(face.vertices) for face in tqdm(faces, desc=f"best fits, {split}", unit="face", leave=False)]
     references = {"mean face": vertex_errors(faces, None), "best fit in 3D": vertex_errors(faces, _stacked(best))}
     methods = {"MMfitting": morphable_model_fit(model), **methods}

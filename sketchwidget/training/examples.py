@@ -38,7 +38,7 @@ class Variety:
     manners : dict of float
         Share of each `Manner`.
     wrinkles : float
-        Share of drawings with wrinkle lines.
+        Share of drawings with wrinkle lines, of people whose wrinkles are known.
     mixed : float
         Share of faces between two expressions.
     blended : float

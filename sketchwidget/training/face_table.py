@@ -66,7 +66,7 @@ class FaceTable:
 
 
 def lines_of(model: FaceModel) -> sparse.csr_matrix:
-    """The points (p, 3) of all lines of a face, one after the other, from its coarse vertices."""
+    """Takes the coarse vertices (n, 3) of a face to the points (p, 3) of all its lines, one after the other."""
     return model.template.subdivision[np.concatenate([model.curves[name] for name in LINES])]
 
 

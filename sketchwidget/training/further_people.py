@@ -9,15 +9,14 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import numpy as np
-from joblib import Parallel, delayed
+from joblib import delayed
 from tqdm import tqdm
 
-from ..database.build import Maker, prepare
+from ..database.build import Maker, in_processes, prepare
+from ..database.database import FaceDatabase
 from ..database.source import FaceSource
-from ..face.exaggeration import LEVELS
 from ..face.model import FaceModel
 from ..files.kept import keep, kept
 from .face_table import FaceTable, lines_of
@@ -46,44 +45,45 @@ class Further:
     def __len__(self) -> int:
         return self.count
 
-    def behind(self, table: FaceTable, model: FaceModel, folder: Path) -> FaceTable:
+    def __post_init__(self) -> None:
+        if self.count < 1:
+            raise ValueError(f"further people are 1 or more; given {self.count}")
+
+    def behind(self, table: FaceTable, database: FaceDatabase, folder: Path) -> FaceTable:
         """A database's table and, behind it, these people, made in a folder; what is there is not made again.
 
         Raises
         ------
         ValueError
-            If the source has not so many people.
+            If the source has not so many people, or is another one than the database's.
+        OSError
+            If a process is killed.
         """
-        return table.joined(*_made(self, len(table.codes) // LEVELS, model, folder))
-
-
-def _made(further: Further, first: int, model: FaceModel, folder: Path) -> tuple[np.ndarray, np.ndarray]:
-    """Points (i, e, p, 3) and codes (i, e, k) of the people from the first one on."""
-    source, count = further.source, further.count
-    if source.count is not None and first + count > source.count:
-        raise ValueError(f"the source {source.name} has {source.count} people; {first + count} were asked for")
-    folder.mkdir(parents=True, exist_ok=True)
-    numbers = np.arange(first, first + count)
-    parts = {
-        folder / f"{part[0]}-{part[-1]}.npz": part for part in np.split(numbers, np.arange(_TOGETHER, count, _TOGETHER))
-    }
-    missing = {path: part for path, part in parts.items() if not path.exists()}
-    if missing:
-        maker = prepare(source, first)
-        made: Any = Parallel(n_jobs=further.jobs, return_as="generator_unordered")(
-            delayed(_make)(maker, model, part, path) for path, part in missing.items()
-        )
-        for _ in tqdm(made, desc="further people", total=len(missing), unit=f"{_TOGETHER} people"):
-            pass
-    more = [kept(path, ("points", "codes")) for path in parts]
-    return np.concatenate([part["points"] for part in more]), np.concatenate([part["codes"] for part in more])
+        source, first = self.source, database.identities
+        if source.count is not None and first + self.count > source.count:
+            raise ValueError(f"the source {source.name} has {source.count} people; {first + self.count} were asked for")
+        folder.mkdir(parents=True, exist_ok=True)
+        starts = range(first, first + self.count, _TOGETHER)
+        parts = [range(start, min(start + _TOGETHER, first + self.count)) for start in starts]
+        paths = [folder / f"{part[0]}-{part[-1]}.npz" for part in parts]
+        missing = [(part, path) for part, path in zip(parts, paths, strict=True) if not path.exists()]
+        if missing:
+            maker = prepare(source, first)
+            database.require_source(source, maker.scale, maker.origin)
+            calls = (delayed(_make)(maker, database.model, part, path) for part, path in missing)
+            made = in_processes(calls, self.jobs)
+            for _ in tqdm(made, desc="further people", total=len(missing), unit=f"{_TOGETHER} people"):
+                pass
+        more = [kept(path, ("points", "codes")) for path in paths]
+        return table.joined(*(np.concatenate([part[name] for part in more]) for name in ("points", "codes")))
 
 
 def _make(maker: Maker, model: FaceModel, numbers: Iterable[int], path: Path) -> None:
+    """Keep the lines and the codes of some people, whose teeth may come through their skin: no line shows them."""
     pick = lines_of(model)
     points, codes = [], []
     for number in numbers:
-        for heads in maker.skin(int(number)):
+        for heads in maker.skin(number):
             points.append(np.stack([pick @ head for head in heads]).astype(np.float16))
             codes.append(model.bilinear.coordinates(heads.reshape(len(heads), -1)))
     keep(path, {"points": np.stack(points), "codes": np.stack(codes).astype(np.float32)})

@@ -16,11 +16,13 @@ import torch
 
 from ..database.database import FaceDatabase
 from ..database.provenance import provenance
+from ..database.store import WRINKLE_POINTS, WRINKLES
 from ..face import Face
 from ..files.kept import keep, kept
 from ..inference.network import COMPACT, Layout, PixelShapeCNN
 from ..inference.network_file import read_network, save_network
 from ..inference.shape_code import ShapeModel
+from ..sketch import WRINKLE, resample_each
 from .drawings import DrawnExamples
 from .examples import Examples, Variety
 from .face_table import FaceTable, tabulate, vertex_metric
@@ -63,42 +65,55 @@ class Pipeline:
         table = tabulate(self.database, self._file("table"))
         if self.further is None:
             return table
-        return self.further.behind(table, self.database.model, self._file("further").with_suffix(""))
+        return self.further.behind(table, self.database, self._file("further").with_suffix(""))
 
     @cached_property
     def kept(self) -> np.ndarray:
         """Numbers of the database's faces to train on: neither of the random split nor of the split by identity."""
         return np.intersect1d(self.database.split("random", SEED)[0], self.database.split("identity", SEED)[0])
 
-    @property
-    def _to_train_on(self) -> np.ndarray:
-        """Numbers of all faces to train on, as if further people's followed those of the database."""
-        faces = self.table.codes.shape[0] * self.table.codes.shape[1]
-        return np.concatenate([self.kept, np.arange(len(self.database), faces)])
-
     def unseen(self, split: str, count: int) -> np.ndarray:
-        """Numbers (m,) of faces that networks did not train on; see `face`.
+        """Numbers (m,) of faces of the database that networks did not train on: of people that they know or do not.
 
-        "identity": of people whom they do not know. "random": of a tenth of what the paper trains and tests on, faces
-        of the people that the model is made of and others interpolated between these (4.4).
+        "identity": of those that they do not know. "random": of those that the model is made of.
         """
+        return _some(self._left_out(split), count)
+
+    def faces(self, split: str, count: int) -> list[tuple[Face, np.ndarray]]:
+        """Faces to test on, and the wrinkle lines (w, m, 2) of each, NaN where there are no more.
+
+        Those of "random" are of a tenth of what the paper trains and tests on (4.4): of the `unseen`, and of those
+        interpolated between the people of the model, if networks know all of these.
+        """
+        database = self.database
+        left_out, between = self._left_out(split), database.interpolated
+        known = len(database.model.bilinear.identities) * len(database.expressions)
+        if split == "random" and self._left_out("identity").min() >= known:
+            tenth = np.random.default_rng(SEED).permutation(len(between))[: len(between) // 10]
+            left_out = np.concatenate([left_out, len(database) + tenth])
+        chosen = []
+        for number in map(int, _some(left_out, count)):
+            if number < len(database):
+                of = database[number]
+                chosen.append((Face(database.model, of.vertices), database.wrinkles(of)))
+            else:
+                face = between[number - len(database)]
+                lines = face.sketch().lines.get(WRINKLE, [])[:WRINKLES]
+                chosen.append((face, resample_each(lines, WRINKLE_POINTS)))
+        return chosen
+
+    def _left_out(self, split: str) -> np.ndarray:
+        """Numbers of all faces of the database that are left out by a split."""
         database = self.database
         left_out = database.split(split, SEED)[1]
         if split == "random":
             left_out = np.setdiff1d(left_out, database.split("identity", SEED)[1])
             left_out = left_out[left_out < len(database.model.bilinear.identities) * len(database.expressions)]
-            between = np.random.default_rng(SEED).permutation(len(database.interpolated))
-            left_out = np.concatenate([left_out, len(database) + between[: len(between) // 10]])
-        return np.sort(np.random.default_rng(SEED).permutation(left_out)[:count])
-
-    def face(self, number: int) -> Face:
-        """A face by its number; the interpolated ones follow those of the database."""
-        within = number < len(self.database)
-        return self.database[number].face if within else self.database.interpolated[number - len(self.database)]
+        return left_out
 
     @cached_property
     def shape_model(self) -> ShapeModel:
-        """The 2D bilinear model of the lines of the people to train on."""
+        """The 2D bilinear model of the lines of the database's people to train on."""
         path = self._file("shape")
         if not path.exists():
             people = np.unique(self.kept // len(self.database.expressions))
@@ -118,11 +133,14 @@ class Pipeline:
         of: np.ndarray | None = None,
         reshaped: bool = True,
     ) -> Examples:
-        """Examples without end, of the faces to train on or of others, given by their numbers."""
+        """Examples without end, of the faces to train on or of others of the database, given by their numbers."""
         model = self.database.model
+        if of is None:  # all of the further people, which follow those of the database in the table
+            rows, expressions = self.table.codes.shape[:2]
+            of = np.concatenate([self.kept, np.arange(len(self.database), rows * expressions)])
         return Examples(
             self.table,
-            self._to_train_on if of is None else of,
+            of,
             model.expressions,
             self._poses,
             self.shape_model,
@@ -208,6 +226,11 @@ class Pipeline:
         if team.leads:
             made = provenance(command, ("torch", "numpy", "opencv-python-headless")) | self.database.origin | origin
             save_network(out, network, standardisation(model), self.shape_model, model, made)
+
+
+def _some(numbers: np.ndarray, count: int) -> np.ndarray:
+    """So many of some numbers at random, the same each time, in their order."""
+    return np.sort(np.random.default_rng(SEED).permutation(numbers)[:count])
 
 
 def _begin_with(start: Path, network: PixelShapeCNN) -> dict[str, str]:

@@ -6,9 +6,12 @@ import os
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
+from datetime import timedelta
 
 import torch
 from torch import distributed
+
+_PATIENCE = timedelta(hours=12)  # of processes that wait for what the leader makes
 
 
 @dataclass(frozen=True)
@@ -38,7 +41,7 @@ class Team:
         if device.type == "cuda":
             torch.cuda.set_device(device)
         if size > 1 and not distributed.is_initialized():
-            distributed.init_process_group("nccl" if device.type == "cuda" else "gloo")
+            distributed.init_process_group("nccl" if device.type == "cuda" else "gloo", timeout=_PATIENCE)
         return cls(rank, size, device)
 
     @property

@@ -63,6 +63,24 @@ def test_strokes_over_each_other_are_no_chain():
     assert in_order([part(0, 0.55), part(0.45, 1)], LINE) is not None
 
 
+@pytest.mark.parametrize(
+    "stroke", [np.concatenate([part(0, 1), part(0, 1)[::-1]]), part(0.5, 0.6), np.zeros((1, 2)), np.ones((3, 2))]
+)
+def test_there_and_back_a_crumb_and_a_dot_are_no_chain(stroke):
+    assert in_order([stroke], LINE) is None
+
+
+def test_a_closed_stroke_of_an_open_line_is_no_chain():
+    there, back = part(0, 1), np.add(part(0, 1)[::-1], (0.0, 0.05))
+    assert in_order([np.concatenate([there, back])], LINE) is None and in_order([loop()], LINE) is None
+
+
+def test_a_chain_far_from_its_line_is_drawn_whole():
+    found, drawn = Chains([part(0, 1)]).along(LINE[None] + 5.0)
+    np.testing.assert_allclose(found[0], LINE, atol=1e-3)
+    assert drawn.all()
+
+
 def test_a_stroke_that_comes_back_is_closed():
     assert is_closed(loop()) and is_closed(loop()[:190]) and not is_closed(part(0, 1))
 

@@ -42,6 +42,7 @@ def test_they_are_made_once(with_further, monkeypatch):
 def test_they_are_trained_on_and_the_database_s_own_stay_what_they_were(with_further, pipeline):
     np.testing.assert_array_equal(with_further.kept, pipeline.kept)
     np.testing.assert_array_equal(with_further.unseen("random", 3), pipeline.unseen("random", 3))
+    assert not np.isin(with_further.examples(Variety(), 1)._kept, with_further.unseen("identity", 99)).any()
     people = with_further.examples(Variety(wrinkles=1.0), 64).numbered(0).people
     assert {12, 19} & set(people.tolist()) and people.max() < 20
     assert pipeline.examples(Variety(), 64).numbered(0).people.max() < 12
@@ -51,3 +52,17 @@ def test_a_source_without_so_many_people_says_so(database, three_expressions, pi
     monkeypatch.setattr(type(three_expressions), "count", 4, raising=False)
     with pytest.raises(ValueError, match="has 4 people; 5 were asked for"):
         _ = Pipeline(database, pipeline.work, Further(three_expressions, 2)).table
+
+
+def test_other_people_than_the_database_s_source_has_are_told_apart(database, three_expressions, tmp_path, monkeypatch):
+    with pytest.raises(ValueError, match="was begun with other heads"):  # all people of three make another frame
+        _ = Pipeline(database, tmp_path, Further(three_expressions, 2)).table
+    monkeypatch.setattr(type(three_expressions), "expressions", property(lambda _: ("smile", "neutral", "open")))
+    with pytest.raises(ValueError, match=r"the expressions .*; given"):
+        _ = Pipeline(database, tmp_path, Further(three_expressions, 2)).table
+
+
+@pytest.mark.parametrize("count", [0, -3])
+def test_nobody_is_no_further_people(three_expressions, count):
+    with pytest.raises(ValueError, match=f"1 or more; given {count}"):
+        Further(three_expressions, count)
