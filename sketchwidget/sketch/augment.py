@@ -7,7 +7,7 @@ import numpy as np
 
 from .moving_least_squares import affine, similarity
 from .names import kind
-from .polyline import arc_length, resample, resample_each
+from .polyline import arc_length, lengths, resample, resample_each
 from .sketch import Segment, Sketch
 
 _RANK = {"silhouette": 0, "feature": 1, "unnamed": 1, "wrinkle": 2}  # the order in which people draw a face
@@ -80,24 +80,26 @@ def deform_lines(sketch: Sketch, random: np.random.Generator, local: float = 0.0
     Sketch
         The same names and numbers of points; what was closed is closed.
     """
-    points = [segment.points for segment in sketch.segments]
-    lines = [_bent(line, three, local, random) for line, three in zip(points, resample_each(points, 3), strict=True)]
+    lines = [segment.points for segment in sketch.segments]
     if lines:
-        lines = _warped(lines, overall, random)
+        lines = _warped(_bent(lines, local, random), overall, random)
     return Sketch(tuple(Segment(old.name, line) for old, line in zip(sketch.segments, lines, strict=True)))
 
 
-def _bent(points: np.ndarray, three: np.ndarray, amount: float, random: np.random.Generator) -> np.ndarray:
-    """A line that follows its ends and its middle, `three` (3, 2), which move."""
-    noise = random.normal(0.0, amount, (3, 2))
-    length = float(arc_length(points)[-1])
-    if length == 0.0:
-        return points + noise[0]
-    controls = three.astype(np.float64)
-    straightness = float(np.linalg.norm(controls[2] - controls[0])) / length
-    if straightness == 0.0:
-        return points
-    return similarity(points, controls, controls + noise * straightness / (1 + length / _LONG))
+def _bent(lines: list[np.ndarray], amount: float, random: np.random.Generator) -> list[np.ndarray]:
+    """Lines that follow each its ends and its middle, which move."""
+    noise = random.normal(0.0, amount, (len(lines), 3, 2))
+    controls, length = resample_each(lines, 3).astype(np.float64), lengths(lines)
+    across = np.linalg.norm(controls[:, 2] - controls[:, 0], axis=1)
+    move = across / np.maximum(length, 1e-12) / (1 + length / _LONG)
+    moved = controls + np.where(length > 0, move, 1.0)[:, None, None] * noise
+    counts = [len(line) for line in lines]
+    apart = np.repeat((across > 0) & (length > 0), counts)
+    points, of = np.concatenate(lines).astype(np.float64), np.repeat(np.arange(len(lines)), counts)
+    dots = np.repeat(length == 0, counts)
+    points[dots] += noise[of[dots], 0]
+    points[apart] = similarity(points[apart], controls[of[apart]], moved[of[apart]])
+    return np.split(points, np.cumsum(counts)[:-1])
 
 
 def _warped(lines: list[np.ndarray], amount: float, random: np.random.Generator) -> list[np.ndarray]:

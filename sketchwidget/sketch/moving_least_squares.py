@@ -58,9 +58,9 @@ def similarity(points: np.ndarray, controls: np.ndarray, moved: np.ndarray) -> n
     Parameters
     ----------
     points : (n, 2) array
-    controls : (k, 2) array
-        At least two of them apart.
-    moved : (k, 2) array
+    controls : (k, 2) or (n, k, 2) array
+        Of all points, or of each of them; at least two of them apart.
+    moved : array of the same shape
         Where the controls go.
 
     Returns
@@ -78,7 +78,7 @@ def similarity(points: np.ndarray, controls: np.ndarray, moved: np.ndarray) -> n
     Schaefer, McPhail and Warren, "Image deformation using moving least squares", 2006, section 2.2.
     """
     controls, moved = _checked(controls, moved)
-    if not np.ptp(controls, axis=0).any():
+    if not np.ptp(controls, axis=-2).any(axis=-1).all():
         raise ValueError("a deformation by similarities takes controls in at least two places")
 
     def move(arm: np.ndarray, arms: np.ndarray, moved_arms: np.ndarray, weights: np.ndarray) -> np.ndarray:
@@ -91,21 +91,24 @@ def similarity(points: np.ndarray, controls: np.ndarray, moved: np.ndarray) -> n
 
 def _checked(controls: np.ndarray, moved: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     controls, moved = np.asarray(controls, dtype=np.float64), np.asarray(moved, dtype=np.float64)
-    if controls.ndim != 2 or controls.shape[1:] != (2,) or controls.shape != moved.shape or not len(controls):
+    if controls.ndim < 2 or controls.shape[-1] != 2 or controls.shape != moved.shape or not controls.shape[-2]:
         raise ValueError(f"controls (k, 2) move to as many places; given shapes {controls.shape} and {moved.shape}")
     return controls, moved
 
 
 def _deform(points: np.ndarray, controls: np.ndarray, moved: np.ndarray, move: _Motion) -> np.ndarray:
     points = np.asarray(points, dtype=np.float64)
+    each = (len(points), *controls.shape[-2:])
+    controls, moved = np.broadcast_to(controls, each), np.broadcast_to(moved, each)
     distance = np.linalg.norm(points[:, None] - controls, axis=2)
-    closest = distance.argmin(axis=1)
-    gap = distance[np.arange(len(points)), closest]
+    closest = np.arange(len(points)), distance.argmin(axis=1)
+    gap = distance[closest]
     deformed = points + (moved - controls)[closest]
-    far = np.flatnonzero(gap > _NEAR * np.ptp(controls, axis=0).max())
+    far = np.flatnonzero(gap > _NEAR * np.ptp(controls, axis=1).max(axis=1))
+    controls, moved = controls[far], moved[far]
     weights = (gap[far, None] / distance[far]) ** (2 * _FALLOFF)
     weights /= weights.sum(axis=1, keepdims=True)
-    centre, moved_centre = weights @ controls, weights @ moved
+    centre, moved_centre = ((weights[:, None] @ ends)[:, 0] for ends in (controls, moved))
     arms, moved_arms = controls - centre[:, None], moved - moved_centre[:, None]
     deformed[far] = move(points[far] - centre, arms, moved_arms, weights) + moved_centre
     return deformed
