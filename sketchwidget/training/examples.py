@@ -168,6 +168,8 @@ class Examples(Batches):
         Gives half of the freehand drawings' faces other proportions than the table's.
     people : DrawnExamples, optional
         Drawings by people.
+    pixels : bool
+        Whether batches hold images; without them these are empty.
     """
 
     def __init__(
@@ -182,8 +184,10 @@ class Examples(Batches):
         seed: int,
         reshaping: Reshaping | None = None,
         people: DrawnExamples | None = None,
+        pixels: bool = True,
     ) -> None:
         super().__init__(seed)
+        self._pixels = pixels
         self.table, self.variety, self.batch = table, variety, batch
         self._kept = kept
         self._is_kept = np.zeros(table.codes.shape[0] * len(expressions), dtype=bool)
@@ -233,7 +237,7 @@ class Examples(Batches):
         view = View() if manner is Manner.EXACT else noisy_view(self.variety.view, random)
         projected = self.table.lines(view.project(points))
         front = self.table.lines(View().project(self._stored(row).points))
-        drawn = draw(manner, projected, parts, wrinkles, front, self.variety.hand, random)
+        drawn = draw(manner, projected, parts, wrinkles, front, self.variety.hand, random, self._pixels)
         return drawn, face.code, face.pose, row // len(self._poses)
 
     def _parts(self, random: np.random.Generator) -> set[str]:

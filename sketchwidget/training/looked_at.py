@@ -15,8 +15,6 @@ from ..inference.network import PixelShapeCNN
 from .examples import Batch, Batches, Examples
 from .network import use_one_thread
 
-_UNSEEN = 0.5  # share of the drawings seen again whose pixels are not
-
 
 @dataclass(frozen=True)
 class LookedAt:
@@ -25,7 +23,7 @@ class LookedAt:
     Parameters
     ----------
     features : (m, f) float16 array
-        Those of one branch after the other.
+        Those of one branch after the other; (m, 0) where only the lines are known.
     shapes : (m, p + q + 2 n) float16 array
     codes : (m, k) float32 array
     poses : (m, q) float32 array
@@ -38,9 +36,10 @@ class LookedAt:
     poses: np.ndarray
 
     @classmethod
-    def by(cls, network: PixelShapeCNN, examples: Examples, batches: int, workers: int) -> LookedAt:
-        """So many batches of examples, as a network sees them."""
-        network = network.folded().to(torch.bfloat16, memory_format=torch.channels_last)  # pyright: ignore[reportCallIssue]
+    def by(cls, network: PixelShapeCNN | None, examples: Examples, batches: int, workers: int) -> LookedAt:
+        """So many batches of examples, as a network sees them; without one, their lines alone."""
+        if network is not None:
+            network = network.folded().to(torch.bfloat16, memory_format=torch.channels_last)  # pyright: ignore[reportCallIssue]
         loader = DataLoader(
             examples, batch_size=None, num_workers=workers, worker_init_fn=use_one_thread if workers else None
         )
@@ -48,9 +47,16 @@ class LookedAt:
         with torch.inference_mode():
             for _, batch in zip(tqdm(range(batches), desc="drawings", unit="batch"), loader, strict=False):
                 images, shapes, codes, poses, _ = (torch.as_tensor(values) for values in batch)
-                features = torch.cat(network.features(images.to(torch.bfloat16)), dim=1)
+                features = torch.empty(len(images), 0)
+                if network is not None:
+                    features = torch.cat(network.features(images.to(torch.bfloat16)), dim=1)
                 parts.append((features.half().numpy(), shapes.half().numpy(), codes.numpy(), poses.numpy()))
         return cls(*(np.concatenate(part) for part in zip(*parts, strict=True)))
+
+    def some(self, count: int, random: np.random.Generator) -> tuple[np.ndarray, ...]:
+        """Features, shapes, codes and poses of so many of them, float32."""
+        rows = random.integers(len(self.codes), size=count)
+        return tuple(getattr(self, field.name)[rows].astype(np.float32) for field in fields(self))
 
     def save(self, path: Path) -> None:
         """Write them to a file (.npz)."""
@@ -63,28 +69,28 @@ class LookedAt:
 
 
 class Again(Batches):
-    """Batches drawn at random of what was looked at, half of them without the pixels' features.
+    """Batches drawn at random, one half of what was looked at, the other of lines alone, whose features are 0.
 
-    These tell more of the people that the network has learnt than they will of others: who always has them believes
-    the lines too little.
+    Features tell more of the people that the network has learnt than they will of others: who always has them believes
+    the lines too little. And lines alone cost a fifth, so that there can be many.
 
     Parameters
     ----------
-    drawings : LookedAt
+    drawings, lines : LookedAt
     batch : int
     seed : int
     """
 
-    def __init__(self, drawings: LookedAt, batch: int, seed: int) -> None:
+    def __init__(self, drawings: LookedAt, lines: LookedAt, batch: int, seed: int) -> None:
         super().__init__(seed)
-        self._drawings, self._batch = drawings, batch
+        self._drawings, self._lines, self._batch = drawings, lines, batch
 
     def numbered(self, number: int) -> Batch:
         """Batch `number`."""
-        drawings = self._drawings
         random = np.random.default_rng([self.seed, number])
-        rows = random.integers(len(drawings.codes), size=self._batch)
-        nobody = np.full(self._batch, -1)
-        features, shapes = drawings.features[rows].astype(np.float32), drawings.shapes[rows].astype(np.float32)
-        features[random.random(self._batch) < _UNSEEN] = 0.0
-        return Batch(features, shapes, drawings.codes[rows], drawings.poses[rows], nobody)
+        half = self._batch // 2
+        features, *seen = self._drawings.some(self._batch - half, random)
+        _, *alone = self._lines.some(half, random)
+        shapes, codes, poses = (np.concatenate(both) for both in zip(seen, alone, strict=True))
+        features = np.pad(features, [(0, half), (0, 0)])
+        return Batch(features, shapes, codes, poses, np.full(self._batch, -1))

@@ -37,7 +37,8 @@ from .tasks import Classes, Faces, Joining, Task, Weights, standardised_identiti
 from .team import Team
 
 SEED = 7
-_AGAIN, _LARGE = 10, 256  # times that drawings looked at are seen, and how many of them are a batch
+_AGAIN, _LINES_ALONE = 10, 4  # times that drawings looked at are seen, and how many lines alone there are for each
+_LARGE = 256  # of both, in a batch
 _FIRST_STEPS = (5, 8)  # of 18: 500,000 and 800,000 of the paper's 1,800,000 iterations
 # Drawings that a training is followed by: the paper's augmentation, of faces as they are.
 _TEST = Variety(manners={Manner.AUGMENTED: 1.0}, mixed=0.0, blended=0.0)
@@ -132,6 +133,7 @@ class Pipeline:
         people: DrawnExamples | None = None,
         of: np.ndarray | None = None,
         reshaped: bool = True,
+        pixels: bool = True,
     ) -> Examples:
         """Examples without end, of the faces to train on or of others of the database, given by their numbers."""
         model = self.database.model
@@ -149,6 +151,7 @@ class Pipeline:
             SEED,
             reshaping=Reshaping(model) if reshaped else None,
             people=people,
+            pixels=pixels,
         )
 
     @property
@@ -177,7 +180,8 @@ class Pipeline:
         classes and to the weights as of the paper's 1.8 million iterations. Otherwise all go to the vertex loss.
 
         At last, of `looked_at` batches of drawings the layers in which lines join pixels learn again: what is
-        before them stays, and they see each of these drawings `_AGAIN` times.
+        before them stays, and they see each of these drawings `_AGAIN` times, and as often the lines alone of some of
+        `_LINES_ALONE` times as many others.
 
         Raises
         ------
@@ -213,15 +217,24 @@ class Pipeline:
         if looked_at:
             # Each of a team looks at drawings of its own.
             about += f"{network.layout.to_json()} {schedule}, then {looked_at} batches of {team.size} {_AGAIN} times "
+            about += f"and {_LINES_ALONE} times as many lines alone "
             share = max(1, looked_at // team.size)
             digest = hashlib.sha256(about.encode()).hexdigest()[:8]
-            drawings = folder / f"looked-at-{digest}-{team.rank}.npz"
-            if not drawings.exists():
-                folder.mkdir(parents=True, exist_ok=True)
-                examples.start, examples.stride = schedule.steps * team.size + team.rank, team.size
-                LookedAt.by(network, examples, share, 2 * workers).save(drawings)
-            again = Schedule(max(1, share * schedule.batch * _AGAIN // _LARGE), _LARGE, rate=1e-3)
-            joining, seen = Joining(network, model, vertex_metric(model)), Again(LookedAt.load(drawings), _LARGE, SEED)
+            alone = self.examples(variety, schedule.batch, pixels=False)
+            parts, first = [], schedule.steps
+            for name, by, drawn, count in (
+                ("looked-at", network, examples, share),
+                ("lines", None, alone, _LINES_ALONE * share),
+            ):
+                path = folder / f"{name}-{digest}-{team.rank}.npz"
+                if not path.exists():
+                    folder.mkdir(parents=True, exist_ok=True)
+                    drawn.start, drawn.stride = first * team.size + team.rank, team.size
+                    LookedAt.by(by, drawn, count, 2 * workers).save(path)
+                parts.append(LookedAt.load(path))
+                first += share
+            again = Schedule(max(1, 2 * share * schedule.batch * _AGAIN // _LARGE), _LARGE, rate=1e-3)
+            joining, seen = Joining(network, model, vertex_metric(model)), Again(*parts, _LARGE, SEED)
             network = train(joining, seen, again, folder / f"joining-{digest}", 0, about)
         if team.leads:
             made = provenance(command, ("torch", "numpy", "opencv-python-headless")) | self.database.origin | origin
