@@ -213,3 +213,24 @@ def test_a_brow_of_two_strokes_over_each_other_is_matched_to_the_nearest_points(
     lines = DrawnLines([brow, np.add(brow, (0.0, 0.004))], ["left_brow"] * 2)
     for one, other in zip(lines.match(POINTS), OrderedLines(lines, POINTS).match(POINTS), strict=True):
         np.testing.assert_array_equal(of("left_brow", one), of("left_brow", other))
+
+
+@pytest.mark.parametrize(
+    ("names", "more"),
+    [
+        (("left_eye_upper", "left_eye_lower"), lambda eye: [0.3 * (eye - eye.mean(axis=0)) + eye.mean(axis=0)]),
+        (("left_brow",), lambda brow: []),
+        (("nose",), lambda nose: []),
+    ],
+    ids=["an eye with a pupil", "a brow as a loop", "a nose as a loop"],
+)
+def test_loops_of_which_nobody_knows_the_points_are_matched_to_the_nearest(names, more):
+    loop = ellipse(*names)
+    strokes = [loop, *more(loop)]
+    lines = DrawnLines(strokes, [names[0], *names[1:]][: len(strokes)])
+    nearest, weight = lines.match(POINTS)
+    drawn, along = OrderedLines(lines, POINTS).match(POINTS)
+    for name in names:
+        np.testing.assert_array_equal(of(name, drawn), of(name, nearest))
+        np.testing.assert_array_equal(of(name, along), of(name, weight))
+        assert of(name, along).sum() > 6

@@ -53,15 +53,29 @@ def test_they_are_kept_in_a_file(looked_at, tmp_path):
         LookedAt.load(tmp_path / "drawings.npz")
 
 
-def test_batches_hold_each_drawing_s_own_values_and_half_the_features(looked_at):
-    batch = Again(looked_at, 400, seed=3).numbered(7)
-    unseen = ~batch.images.any(axis=1)
-    assert 0.4 < unseen.mean() < 0.6
-    rows = (batch.codes[:, None] == looked_at.codes).all(axis=2).argmax(axis=1)
-    assert set(rows) == set(range(12))
-    np.testing.assert_array_equal(batch.shapes, looked_at.shapes[rows])
-    np.testing.assert_array_equal(batch.images[~unseen], looked_at.features[rows[~unseen]])
-    same, other = Again(looked_at, 400, seed=3).numbered(7), Again(looked_at, 400, seed=3).numbered(8)
+@pytest.fixture(scope="module")
+def lines(pipeline):
+    return LookedAt.by(None, pipeline.examples(Variety(wrinkles=0.0), 4, pixels=False), 5, workers=0)
+
+
+def test_lines_alone_are_those_of_the_same_drawings(lines, looked_at):
+    assert lines.features.shape == (20, 0)
+    for name in ("shapes", "codes", "poses"):
+        np.testing.assert_array_equal(getattr(lines, name)[:12], getattr(looked_at, name))
+
+
+def test_batches_hold_drawings_with_their_features_and_lines_without(lines, looked_at):
+    batch = Again(looked_at, lines, 401, seed=3).numbered(7)
+    seen = np.arange(401) < 201
+    np.testing.assert_array_equal(batch.images.any(axis=1), seen)
+    for of, chosen in ((looked_at, seen), (lines, ~seen)):
+        rows = (batch.codes[chosen][:, None] == of.codes).all(axis=2).argmax(axis=1)
+        assert set(rows) == set(range(len(of.codes)))
+        np.testing.assert_array_equal(batch.shapes[chosen], of.shapes[rows])
+        np.testing.assert_array_equal(batch.poses[chosen], of.poses[rows])
+    rows = (batch.codes[seen][:, None] == looked_at.codes).all(axis=2).argmax(axis=1)
+    np.testing.assert_array_equal(batch.images[seen], looked_at.features[rows])
+    same, other = (Again(looked_at, lines, 401, seed=3).numbered(number) for number in (7, 8))
     np.testing.assert_array_equal(same.images, batch.images)
     assert (other.codes != batch.codes).any()
 
