@@ -220,21 +220,18 @@ class Pipeline:
             about += f"and {_LINES_ALONE} times as many lines alone "
             share = max(1, looked_at // team.size)
             digest = hashlib.sha256(about.encode()).hexdigest()[:8]
+            examples.start, examples.stride = schedule.steps * team.size + team.rank, team.size
             alone = self.examples(variety, schedule.batch, pixels=False)
-            parts, first = [], schedule.steps
-            for name, by, drawn, count in (
-                ("looked-at", network, examples, share),
-                ("lines", None, alone, _LINES_ALONE * share),
-            ):
-                path = folder / f"{name}-{digest}-{team.rank}.npz"
-                if not path.exists():
-                    folder.mkdir(parents=True, exist_ok=True)
-                    drawn.start, drawn.stride = first * team.size + team.rank, team.size
-                    LookedAt.by(by, drawn, count, 2 * workers).save(path)
-                parts.append(LookedAt.load(path))
-                first += share
+            alone.start, alone.stride = examples.start + share * team.size, team.size
+            drawings, lines = (folder / f"{name}-{digest}-{team.rank}.npz" for name in ("looked-at", "lines"))
+            folder.mkdir(parents=True, exist_ok=True)
+            if not drawings.exists():
+                LookedAt.by(network, examples, share, 2 * workers).save(drawings)
+            if not lines.exists():
+                LookedAt.by(None, alone, _LINES_ALONE * share, 2 * workers).save(lines)
             again = Schedule(max(1, 2 * share * schedule.batch * _AGAIN // _LARGE), _LARGE, rate=1e-3)
-            joining, seen = Joining(network, model, vertex_metric(model)), Again(*parts, _LARGE, SEED)
+            joining = Joining(network, model, vertex_metric(model))
+            seen = Again(LookedAt.load(drawings), LookedAt.load(lines), _LARGE, SEED)
             network = train(joining, seen, again, folder / f"joining-{digest}", 0, about)
         if team.leads:
             made = provenance(command, ("torch", "numpy", "opencv-python-headless")) | self.database.origin | origin
