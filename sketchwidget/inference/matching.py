@@ -212,7 +212,7 @@ class _Ink:
 
 
 def shape_code(model: ShapeModel, points: np.ndarray, drawn: DrawnLines) -> np.ndarray:
-    """A drawing's lines as `ShapeModel.describe` has them (p + q + 2 n,), from a guess of where they are.
+    """A drawing's lines as `ShapeModel.describe` has them (p + q + 2 n + 1,), found from a guess of where they are.
 
     Coefficients go no further than those of heads do; what is left of the points is what they left before that.
 
@@ -230,7 +230,7 @@ def shape_code(model: ShapeModel, points: np.ndarray, drawn: DrawnLines) -> np.n
         code = model.encode(found[None], weight[None])
         points = model.decode(code)[0]
     left_over = model.left_over(code, found[None], weight[None])
-    return np.concatenate([soft_limit(code, *_CODE_LIMIT), left_over], axis=1)[0]
+    return np.concatenate([soft_limit(code, *_CODE_LIMIT)[0], left_over[0], [1.0]], dtype=np.float32)
 
 
 def _middle(points: np.ndarray) -> np.ndarray:

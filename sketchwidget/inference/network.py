@@ -37,7 +37,8 @@ class Layout:
     shape : int
         Neurons in each branch for the shape-level input; with 0 there is no such input.
     left_over : bool
-        Whether this input holds, beside the coefficients of the lines, what these leave of their points.
+        Whether this input holds, beside the coefficients of the lines, what these leave of their points, and whether it
+        is known which point is which or they were found.
     joined : int
         Neurons of a layer behind that of the shape-level input and the branch; with 0 the output follows at once.
     branched : bool
@@ -122,7 +123,7 @@ class PixelShapeCNN(nn.Module):
     Parameters
     ----------
     identity_size, expression_size : int
-        The shape-level input has as many coefficients, and with `Layout.left_over` 2 n numbers more.
+        The shape-level input has as many coefficients, and with `Layout.left_over` 2 n + 1 numbers more.
     layout : Layout
 
     Attributes
@@ -135,7 +136,7 @@ class PixelShapeCNN(nn.Module):
         super().__init__()
         self.layout, self.sizes = layout, (identity_size, expression_size)
         coefficients = identity_size + expression_size
-        self.described = coefficients + 2 * POINTS * layout.left_over
+        self.described = coefficients + (2 * POINTS + 1) * layout.left_over
         if layout.convolutions == "none":
             self.convolutions, width = None, self.described
         else:
@@ -177,7 +178,7 @@ class PixelShapeCNN(nn.Module):
         return self._split([output(feature) for output, feature in zip(self.outputs, features, strict=True)])
 
     def with_shape(self, features: list[Tensor], lines: Tensor) -> tuple[Tensor, Tensor]:
-        """The same of pixels and of lines together, as `ShapeModel.describe` has them (b, p + q + 2 n).
+        """The same of pixels and of lines together, as `ShapeModel.describe` has them (b, p + q + 2 n + 1).
 
         Raises
         ------

@@ -112,12 +112,15 @@ class ShapeModel:
         return np.concatenate([identity, expression], axis=1)
 
     def describe(self, points: np.ndarray, seen: np.ndarray) -> np.ndarray:
-        """Coefficients of drawings and, after them, what these leave of the points: (b, p + q + 2 n) float32.
+        """Coefficients of drawings, what these leave of the points, and 0: (b, p + q + 2 n + 1) float32.
+
+        The last number is 1 where points had to be found, see `sketchwidget.inference.matching.shape_code`: a network
+        believes those less than points of which it is known which is which, as these are.
 
         Parameters as `encode` has them.
         """
         codes = self.encode(points, seen)
-        return np.concatenate([codes, self.left_over(codes, points, seen)], axis=1)
+        return np.concatenate([codes, self.left_over(codes, points, seen), np.zeros_like(codes[:, :1])], axis=1)
 
     def left_over(self, codes: np.ndarray, points: np.ndarray, seen: np.ndarray) -> np.ndarray:
         """How far points are from where coefficients (b, p + q) have them: (b, 2 n), 4 times the drawing noise at most.

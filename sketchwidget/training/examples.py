@@ -25,6 +25,7 @@ _RARE = {"cheek_puff": 0.2, "blowfish": 0.2}
 _BY_HAND = _RARE | {"neutral": 8.0, "smile": 3.0}
 _LEVELS_BY_HAND = np.array([1.0, 0.8, 0.6, 0.4])  # how often people mean each level of exaggeration
 _MISSED = 0.5  # standard deviations by which the lines that matching begins with miss the drawn ones
+_AS_THEY_ARE = 0.6  # share of the faces of the people of the model that are not between two, as of the paper's 25,000
 _OTHERS = 4  # people that a face is blended with
 _QUIET_MOUTHS = ("neutral", "eyes_closed")  # what a face without a drawn mouth may be doing
 
@@ -40,9 +41,12 @@ class Variety:
     wrinkles : float
         Share of drawings with wrinkle lines, of people whose wrinkles are known.
     mixed : float
-        Share of faces between two expressions.
+        Share of the other faces between two expressions.
+    of_model : float
+        Share of exact and augmented drawings that show the people whom the face model is made of, as they are or
+        between two of them and of their expressions: what the paper trains on.
     blended : float
-        Share of faces of nobody in the table, blended from five people's: of people who are drawn again and again
+        Share of the other faces of nobody in the table, blended from five people's: of people who are drawn again and again
         networks learn who they are, and little of others.
     partial : float
         Share of the freehand drawings that have only some of their parts.
@@ -63,6 +67,7 @@ class Variety:
         default_factory=lambda: {Manner.EXACT: 0.3, Manner.AUGMENTED: 0.35, Manner.FREEHAND: 0.35}
     )
     wrinkles: float = 0.75
+    of_model: float = 0.4
     mixed: float = 0.4
     blended: float = 0.8
     partial: float = 0.4
@@ -104,7 +109,7 @@ class Batch(NamedTuple):
     Parameters
     ----------
     images : (b, 1, 256, 256) bool array
-    shapes : (b, p + q + 2 n) array
+    shapes : (b, p + q + 2 n + 1) array
         Their lines, as `ShapeModel.describe` has them.
     codes : (b, k) array
         Of their faces, in the model's components.
@@ -157,6 +162,8 @@ class Examples(Batches):
     table : FaceTable
     kept : (m,) int array
         Faces to draw, as numbers of the database: person after person, each in all expressions.
+    of_model : int
+        Rows of the table of the people whom the face model is made of; they are the first.
     expressions : list of str
     poses : (e, q) array
         Standardised weights of each expression.
@@ -176,6 +183,7 @@ class Examples(Batches):
         self,
         table: FaceTable,
         kept: np.ndarray,
+        of_model: int,
         expressions: list[str],
         poses: np.ndarray,
         shape_model: ShapeModel,
@@ -189,7 +197,7 @@ class Examples(Batches):
         super().__init__(seed)
         self._pixels = pixels
         self.table, self.variety, self.batch = table, variety, batch
-        self._kept = kept
+        self._kept, self._of_model = kept, kept[kept < of_model * len(expressions)]
         self._is_kept = np.zeros(table.codes.shape[0] * len(expressions), dtype=bool)
         self._is_kept[kept] = True
         self._by_expression = [kept[kept % len(expressions) == expression] for expression in range(len(expressions))]
@@ -230,7 +238,10 @@ class Examples(Batches):
         manner = self._manners[int(random.choice(len(self._manners), p=self._shares))]
         freehand = manner is Manner.FREEHAND
         parts: set[str] = self._parts(random) if freehand else set(PARTS)
-        row, face = self._face(random, quiet="mouth" not in parts, freehand=freehand)
+        if not freehand and len(self._of_model) and random.random() < self.variety.of_model:
+            row, face = self._one_of_model(random)
+        else:
+            row, face = self._face(random, quiet="mouth" not in parts, freehand=freehand)
         points = self._overdrawn(face, random) if freehand else face.points
         wrinkled = random.random() < self.variety.wrinkles
         wrinkles = self.table.wrinkles_of(*divmod(row, len(self._poses))) if wrinkled else None
@@ -275,6 +286,17 @@ class Examples(Batches):
             points, code = self._reshaping(face.points, face.code, amounts)
             face = _Face(points, rest, code, face.pose)
         return row, face
+
+    def _one_of_model(self, random: np.random.Generator) -> tuple[int, _Face]:
+        """Number of a face of the people of the model and that face, or one between it and another one of theirs."""
+        one, other = random.choice(self._of_model, 2)
+        (person, expression), (somebody, another) = (divmod(int(row), len(self._poses)) for row in (one, other))
+        rows = len(self._poses) * np.array([person, person, somebody, somebody]) + np.array([expression, another] * 2)
+        if random.random() < _AS_THEY_ARE or not self._is_kept[rows].all():
+            return int(one), self._stored(int(one))
+        mine, mine_other, others, theirs = (self._stored(int(row)) for row in rows)
+        share = random.uniform(0.0, 0.5)
+        return int(one), mine.mixed(mine_other, share).mixed(others.mixed(theirs, share), share)
 
     def _overdrawn(self, face: _Face, random: np.random.Generator) -> np.ndarray:
         """Points (p, 3) with the expression of brows and mouth drawn stronger than it is, as people do."""

@@ -24,7 +24,7 @@ class LookedAt:
     ----------
     features : (m, f) float16 array
         Those of one branch after the other; (m, 0) where only the lines are known.
-    shapes : (m, p + q + 2 n) float16 array
+    shapes : (m, p + q + 2 n + 1) float16 array
     codes : (m, k) float32 array
     poses : (m, q) float32 array
         As `Batch` has them.

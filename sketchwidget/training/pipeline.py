@@ -41,7 +41,7 @@ _AGAIN, _LINES_ALONE = 10, 4  # times that drawings looked at are seen, and how 
 _LARGE = 256  # of both, in a batch
 _FIRST_STEPS = (5, 8)  # of 18: 500,000 and 800,000 of the paper's 1,800,000 iterations
 # Drawings that a training is followed by: the paper's augmentation, of faces as they are.
-_TEST = Variety(manners={Manner.AUGMENTED: 1.0}, mixed=0.0, blended=0.0)
+_TEST = Variety(manners={Manner.AUGMENTED: 1.0}, of_model=0.0, mixed=0.0, blended=0.0)
 
 
 @dataclass(frozen=True)
@@ -143,6 +143,7 @@ class Pipeline:
         return Examples(
             self.table,
             of,
+            len(model.bilinear.identities),
             model.expressions,
             self._poses,
             self.shape_model,
@@ -204,7 +205,7 @@ class Pipeline:
         about = f"{self.database.sum} {beyond} further people {variety} {by_people} drawings {origin} "
         if in_three_steps:
             classes, weights = (schedule.steps * part // 18 for part in _FIRST_STEPS)
-            known = self.examples(replace(variety, mixed=0.0, blended=0.0), schedule.batch, reshaped=False)
+            known = self.examples(replace(variety, of_model=0.0, mixed=0.0, blended=0.0), schedule.batch, reshaped=False)
             task: Task = Classes(network, self._poses, len(self.table.codes))
             network = train(task, known, replace(schedule, steps=classes), folder / "classes", workers, about)
             task = Weights(network, standardised_identities(self.table, model))

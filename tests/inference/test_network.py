@@ -26,7 +26,7 @@ def small(name):
 @pytest.fixture
 def batch():
     torch.manual_seed(1)
-    return (torch.rand(2, 1, IMAGE_SIZE, IMAGE_SIZE) < 0.05).float(), torch.randn(2, sum(SIZES) + 2 * POINTS)
+    return (torch.rand(2, 1, IMAGE_SIZE, IMAGE_SIZE) < 0.05).float(), torch.randn(2, sum(SIZES) + 2 * POINTS + 1)
 
 
 def linear(layers):

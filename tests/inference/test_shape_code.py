@@ -136,7 +136,7 @@ def test_coefficients_and_what_they_leave_give_the_points(seed):
     seen = np.tile(EVERYTHING, (3, 1))
     seen[:, ::7] = 0
     described = MODEL.describe(points, seen)
-    code, left = described[:, : MODEL.size], described[:, MODEL.size :].reshape(points.shape)
+    code, left = described[:, : MODEL.size], described[:, MODEL.size : -1].reshape(points.shape)
     np.testing.assert_array_equal(code, MODEL.encode(points, seen))
     assert not left[seen == 0].any()
     back = MODEL.decode(code) + 0.005 * left
@@ -146,5 +146,5 @@ def test_coefficients_and_what_they_leave_give_the_points(seed):
 def test_a_point_far_off_counts_no_more_than_one_that_strays_a_little_more():
     _, points = drawn(0)
     points[0, 5] += 3.0
-    left = MODEL.describe(points, np.tile(EVERYTHING, (3, 1)))[:, MODEL.size :]
+    left = MODEL.describe(points, np.tile(EVERYTHING, (3, 1)))[:, MODEL.size : -1]
     assert np.abs(left).max() == 4.0

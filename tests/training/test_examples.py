@@ -14,7 +14,7 @@ from sketchwidget.training.manners import Drawn, Manner
 from sketchwidget.training.reshaping import Reshaping
 from sketchwidget.training.standard import standardised_pose
 
-EXACT = Variety(manners={Manner.EXACT: 1.0}, wrinkles=0.0, mixed=0.0, blended=0.0)
+EXACT = Variety(manners={Manner.EXACT: 1.0}, of_model=0.0, wrinkles=0.0, mixed=0.0, blended=0.0)
 FREEHAND = Variety(
     manners={Manner.FREEHAND: 1.0}, wrinkles=0.0, mixed=0.0, blended=0.0, partial=0.0, missing=0.0, view=0.0
 )
@@ -33,7 +33,8 @@ def make(pipeline, poses):
         table, kept = others.pop("table", pipeline.table), others.pop("kept", pipeline.kept)
         expressions = others.pop("expressions", pipeline.database.model.expressions)
         variety = variety or Variety()
-        made = Examples(table, kept, expressions, poses, pipeline.shape_model, variety, batch, seed, **others)
+        of_model = others.pop("of_model", len(pipeline.database.model.bilinear.identities))
+        made = Examples(table, kept, of_model, expressions, poses, pipeline.shape_model, variety, batch, seed, **others)
         made.start, made.stride = start, stride
         return made
 
@@ -50,7 +51,7 @@ def rows_of(codes, table):
 def test_a_batch_has_images_shapes_codes_and_poses(database, pipeline, make):
     images, shapes, codes, poses, people = make().numbered(0)
     assert images.shape == (3, 1, 256, 256) and images.dtype == bool
-    assert shapes.shape == (3, pipeline.shape_model.size + 2 * POINTS) and shapes.dtype == np.float32
+    assert shapes.shape == (3, pipeline.shape_model.size + 2 * POINTS + 1) and shapes.dtype == np.float32
     assert codes.shape == (3, len(database.model.bilinear.core)) and codes.dtype == np.float32
     assert poses.shape == (3, 3) and poses.dtype == np.float32
     assert people.shape == (3,) and (people >= 0).all()
@@ -111,6 +112,28 @@ def test_who_or_what_is_left_out_has_no_part_in_any_example(pipeline, make, left
     kept = np.arange(24) if left_out == "people" else pipeline.kept
     examples = make(table=without_codes(pipeline.table, kept), kept=kept, batch=40)
     assert all(np.isfinite(examples.numbered(number)[2]).all() for number in range(3))
+
+
+def test_faces_of_the_model_s_people_are_as_they_are_or_between_two(pipeline, make, poses):
+    variety, of_model = replace(EXACT, of_model=1.0, mixed=1.0, blended=1.0), 4
+    _, _, codes, found, people = make(variety, batch=120, of_model=of_model).numbered(0)
+    table = pipeline.table.codes[:of_model]
+    as_they_are = rows_of(codes, pipeline.table) >= 0
+    assert 0.5 < as_they_are.mean() < 0.9 and set(people) == set(range(of_model))
+    for code, pose, person in zip(codes[~as_they_are], found[~as_they_are], people[~as_they_are], strict=True):
+        off = []
+        for other, first, second in np.ndindex(of_model, 3, 3):
+            for share in np.linspace(0, 0.5, 101):
+                near = (1 - share) * poses[first] + share * poses[second]
+                if np.abs(near - pose).max() < 0.02:
+                    one, two = ((1 - share) * table[who, first] + share * table[who, second] for who in (person, other))
+                    off.append(np.linalg.norm((1 - share) * one + share * two - code))
+        assert min(off) < 0.02 * np.linalg.norm(code - table.mean(axis=(0, 1)))
+
+
+@pytest.mark.parametrize("found", [0.0, 1.0])
+def test_the_last_number_tells_whether_points_were_found(make, found):
+    np.testing.assert_array_equal(make(replace(EXACT, found=found)).numbered(0).shapes[:, -1], found)
 
 
 def test_a_face_without_a_mouth_is_a_quiet_one(pipeline, make, poses):
@@ -221,7 +244,7 @@ def test_drawings_by_people_have_their_share(make):
         images, shapes, codes, poses, people = batch
         theirs = images.all(axis=(1, 2, 3))
         assert least <= theirs.sum() <= most
-        assert (codes[theirs] == 7).all() and (poses[theirs] == 9).all() and not shapes[theirs].any()
+        assert (codes[theirs] == 7).all() and (poses[theirs] == 9).all() and not shapes[theirs, :-1].any()
         np.testing.assert_array_equal(people == -1, theirs)
 
 
