@@ -67,8 +67,12 @@ def place(head: np.ndarray, drawn: np.ndarray) -> View:
     )
     drawn_middle = drawn.mean(axis=0)
     drawn_centred = drawn - drawn_middle
+    found = np.zeros(0)
     for _ in range(_PLACING_STEPS):
-        nearest = head[cdist((drawn - offset) / scale, head, "sqeuclidean").argmin(axis=1)]
+        former, found = found, cdist((drawn - offset) / scale, head, "sqeuclidean").argmin(axis=1)
+        if np.array_equal(found, former):
+            break
+        nearest = head[found]
         middle = nearest.mean(axis=0)
         centred = nearest - middle
         scale = float((centred * drawn_centred).sum() / (centred**2).sum())

@@ -31,9 +31,13 @@ PLACES = {
 _OUTLINE_INK, _FEATURE_INK = 400, 50  # points of a stroke
 _REACH = 0.03  # canvas units: a point this far from its stroke counts half
 _FARTHEST = 0.12  # beyond this it does not count
-_EYES = [group for group in PLACES if "eye" in group]
+_EYES = np.array(["eye" in group for group in PLACES])
 # What is drawn whole if at all: its middle is that of the line.
-_PLACED_WHOLE = [group for group in PLACES if any(part in group for part in ("brow", "eye", "mouth", "ear"))]
+_PLACED_WHOLE = np.array([any(part in group for part in ("brow", "eye", "mouth", "ear")) for group in PLACES])
+# All points, group after group, where each group begins among them, and which one each point is of.
+_SORTED = np.concatenate(list(PLACES.values()))
+_BEGINS = np.cumsum([0, *map(len, PLACES.values())])[:-1]
+_GROUP = np.repeat(np.arange(len(PLACES)), [len(at) for at in PLACES.values()])[_SORTED.argsort()]
 _MARK = 0.5  # of the breadth of an eye: what is smaller is a pupil or a dot, which shows where the eye is and no lids
 _ROUNDS = 2
 _CODE_LIMIT = (2.0, 3.0)  # standard deviations that coefficients may go to freely, and at most
@@ -109,14 +113,14 @@ class DrawnLines:
 
     def beside(self, points: np.ndarray, settled: bool) -> tuple[np.ndarray, np.ndarray]:
         """Points (n, 2) moved onto their strokes unless near already, and which (n,) are of eyes that are dots."""
-        beside, marked = np.array(points, dtype=np.float64), np.zeros(len(points), dtype=bool)
-        for group, ink in self._ink.items():
-            at = PLACES[group]
-            # Of lids it is easily the wrong one that is nearest.
-            if group in _EYES or (not settled and group in _PLACED_WHOLE):
-                beside[at] += ink.middle - _middle(beside[at])
-            marked[at] = group in _EYES and ink.breadth < _MARK * np.ptp(beside[at], axis=0).max()
-        return beside, marked
+        low, high = (most.reduceat(points[_SORTED], _BEGINS) for most in (np.minimum, np.maximum))
+        # Of lids it is easily the wrong one that is nearest.
+        moved = _EYES if settled else _PLACED_WHOLE
+        middles = np.array([self._ink[group].middle if group in self._ink else (np.nan, np.nan) for group in PLACES])
+        breadths = np.array([self._ink[group].breadth if group in self._ink else np.inf for group in PLACES])
+        by = np.where(moved[:, None] & np.isfinite(middles), middles - (low + high) / 2, 0.0)
+        marked = _EYES & (breadths < _MARK * (high - low).max(axis=1))
+        return points + by[_GROUP], marked[_GROUP]
 
     def nearest(self, beside: np.ndarray, known: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """The drawn points (n, 2) nearest to some that are beside them, and their squared distances (n,).

@@ -37,8 +37,9 @@ class Layout:
     shape : int
         Neurons in each branch for the shape-level input; with 0 there is no such input.
     left_over : bool
-        Whether this input holds, beside the coefficients of the lines, what these leave of their points, and whether it
-        is known which point is which or they were found.
+        Whether this input holds, beside the coefficients of the lines, what these leave of their points.
+    found : bool
+        Whether it holds behind these whether points were found, rather than known one by one.
     joined : int
         Neurons of a layer behind that of the shape-level input and the branch; with 0 the output follows at once.
     branched : bool
@@ -53,6 +54,7 @@ class Layout:
     branch: int = 448
     shape: int = 512
     left_over: bool = False
+    found: bool = False
     joined: int = 0
     branched: bool = True
 
@@ -61,6 +63,8 @@ class Layout:
             raise ValueError(f"convolutions are residual, alexnet or none; given {self.convolutions!r}")
         if self.convolutions == "none" and not self.shape:
             raise ValueError("a network sees pixels or shape; this layout has neither")
+        if self.found and not self.left_over:
+            raise ValueError("whether points were found stands behind what coefficients leave of them, or not at all")
 
     @property
     def answers(self) -> tuple[str, ...]:
@@ -77,7 +81,8 @@ class Layout:
         """Whether a network of another layout is the same up to where the shape-level input joins it."""
         if self.convolutions == "none":
             return other == self
-        return replace(other, shape=self.shape, left_over=self.left_over, joined=self.joined) == self
+        lines = {name: getattr(self, name) for name in ("shape", "left_over", "found", "joined")}
+        return replace(other, **lines) == self
 
     def to_json(self) -> str:
         """The layout as it is kept in a network's file."""
@@ -90,7 +95,7 @@ class Layout:
         return cls(**sizes | {name: tuple(sizes[name]) for name in ("channels", "blocks")})
 
 
-COMPACT = Layout(left_over=True, joined=448)
+COMPACT = Layout(left_over=True, found=True, joined=448)
 PAPER = Layout(convolutions="alexnet", hidden=4096, branch=1024)
 TINY = Layout(channels=(8, 12, 16, 16), blocks=(0, 1, 1, 1), bottleneck=8, hidden=64, branch=48, shape=32)
 
@@ -123,7 +128,8 @@ class PixelShapeCNN(nn.Module):
     Parameters
     ----------
     identity_size, expression_size : int
-        The shape-level input has as many coefficients, and with `Layout.left_over` 2 n + 1 numbers more.
+        The shape-level input has as many coefficients, with `Layout.left_over` 2 n numbers more, and with `Layout.found`
+        another one.
     layout : Layout
 
     Attributes
@@ -136,7 +142,7 @@ class PixelShapeCNN(nn.Module):
         super().__init__()
         self.layout, self.sizes = layout, (identity_size, expression_size)
         coefficients = identity_size + expression_size
-        self.described = coefficients + (2 * POINTS + 1) * layout.left_over
+        self.described = coefficients + 2 * POINTS * layout.left_over + layout.found
         if layout.convolutions == "none":
             self.convolutions, width = None, self.described
         else:

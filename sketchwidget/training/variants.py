@@ -26,7 +26,8 @@ _PIXELS = replace(COMPACT, shape=0)
 
 VARIANTS = {
     "PixelShapeCNN": Variant(COMPACT),
-    "PixelShapeCNN-Coefficients": Variant(replace(COMPACT, left_over=False, joined=0)),  # as the paper joins the lines
+    # As the paper joins the lines.
+    "PixelShapeCNN-Coefficients": Variant(replace(COMPACT, left_over=False, found=False, joined=0)),
     "PixelCNN": Variant(_PIXELS),
     "PixelCNN-Wrinkle": Variant(_PIXELS, Variety(wrinkles=0.0)),
     "ShapeNN": Variant(replace(COMPACT, convolutions="none")),

@@ -109,6 +109,15 @@ def test_what_coefficients_leave_of_the_points_counts_where_a_layout_takes_it(na
     assert same == (not network.layout.left_over) == (name in ("AlexNet", "PixelShapeCNN-Coefficients"))
 
 
+@pytest.mark.parametrize("name", ["PixelShapeCNN", "PixelShapeCNN-Coefficients", "ShapeNN", "AlexNet"])
+def test_whether_points_were_found_counts_where_a_layout_takes_it(name, batch):
+    network, (images, lines) = PixelShapeCNN(*SIZES, small(name)).eval(), batch
+    found = lines.clone()
+    found[:, -1] += 1
+    (*_, (identity, _)), (*_, (other, _)) = network(images, lines), network(images, found)
+    assert torch.equal(identity, other) == (not network.layout.found) == (name in ("AlexNet", "PixelShapeCNN-Coefficients"))
+
+
 def test_a_network_of_lines_alone_does_not_look_at_the_pixels(batch):
     network, (images, codes) = PixelShapeCNN(*SIZES, small("ShapeNN")).eval(), batch
     ((identity, _),), ((other, _),) = network(images, codes), network(1 - images, codes)
@@ -138,6 +147,7 @@ def test_folding_normalisation_changes_nothing(name, batch):
     [
         ({"convolutions": "dense"}, "residual, alexnet or none; given 'dense'"),
         ({"convolutions": "none", "shape": 0}, "pixels or shape; this layout has neither"),
+        ({"found": True}, "behind what coefficients leave of them, or not at all"),
     ],
 )
 def test_layouts_that_are_none_are_refused(sizes, message):
@@ -173,7 +183,8 @@ stages = st.lists(st.integers(0, 512), min_size=1, max_size=5).map(tuple)
         hidden=sizes,
         branch=sizes,
         shape=sizes,
-        left_over=st.booleans(),
+        left_over=st.just(True),
+        found=st.booleans(),
         joined=st.integers(0, 4096),
         branched=st.booleans(),
     )
