@@ -24,6 +24,7 @@ from .network import PixelShapeCNN
 from .network_file import read_network
 from .normalise import Normalised, normalise
 from .refinement import LineRefiner
+from .resting import MouthAtRest, mouth_may_be_drawn
 from .shape_code import ShapeModel, sample
 from .soft_limit import soft_limit
 
@@ -96,6 +97,7 @@ class FaceRegressor:
         self._network.to(memory_format=torch.channels_last)  # pyright: ignore[reportCallIssue]
         self._standard = standard
         self._landmarks = _basis_at(model, model.landmarks)
+        self._at_rest = MouthAtRest(model, self._landmarks, standard["expression_std"])
         on_curves = np.concatenate(list(model.curves.values()))
         self._curve_mean = model.template.subdivision[on_curves] @ model.bilinear.mean.reshape(-1, 3)
         self._curve_basis = _basis_at(model, on_curves)
@@ -149,6 +151,8 @@ class FaceRegressor:
             points = frame(View().project(sample(_drawn(curves))))
             strokes = [frame(_on_head(view, stroke)) for stroke in strokes]
             identity, expression = self._by_lines(identity, expression, features, points, DrawnLines(strokes, names))
+            if not mouth_may_be_drawn(strokes, names, points):
+                expression = self._at_rest(identity, expression)
         moved = time.perf_counter()
         face = self.model.face(identity, expression)
         if seen.outline is not None:

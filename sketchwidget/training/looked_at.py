@@ -69,7 +69,7 @@ class LookedAt:
 
 
 class Again(Batches):
-    """Batches drawn at random, one half of what was looked at, the other of lines alone, whose features are 0.
+    """Batches drawn at random, some of what was looked at, the others of lines alone, whose features are 0.
 
     Features tell more of the people that the network has learnt than they will of others: who always has them believes
     the lines too little. And lines alone cost a fifth, so that there can be many.
@@ -77,20 +77,20 @@ class Again(Batches):
     Parameters
     ----------
     drawings, lines : LookedAt
-    batch : int
+    seen, alone : int
+        How many of each in a batch.
     seed : int
     """
 
-    def __init__(self, drawings: LookedAt, lines: LookedAt, batch: int, seed: int) -> None:
+    def __init__(self, drawings: LookedAt, lines: LookedAt, seen: int, alone: int, seed: int) -> None:
         super().__init__(seed)
-        self._drawings, self._lines, self._batch = drawings, lines, batch
+        self._drawings, self._lines, self._seen, self._alone = drawings, lines, seen, alone
 
     def numbered(self, number: int) -> Batch:
         """Batch `number`."""
         random = np.random.default_rng([self.seed, number])
-        half = self._batch // 2
-        features, *seen = self._drawings.some(self._batch - half, random)
-        _, *alone = self._lines.some(half, random)
+        features, *seen = self._drawings.some(self._seen, random)
+        _, *alone = self._lines.some(self._alone, random)
         shapes, codes, poses = (np.concatenate(both) for both in zip(seen, alone, strict=True))
-        features = np.pad(features, [(0, half), (0, 0)])
-        return Batch(features, shapes, codes, poses, np.full(self._batch, -1))
+        features = np.pad(features, [(0, self._alone), (0, 0)])
+        return Batch(features, shapes, codes, poses, np.full(len(codes), -1))

@@ -38,7 +38,7 @@ from .team import Team
 
 SEED = 7
 _AGAIN, _LINES_ALONE = 10, 4  # times that drawings looked at are seen, and how many lines alone there are for each
-_LARGE = 256  # of both, in a batch
+_SEEN, _ALONE = 64, 192  # drawings looked at and lines alone, in a batch
 _FIRST_STEPS = (5, 8)  # of 18: 500,000 and 800,000 of the paper's 1,800,000 iterations
 # Drawings that a training is followed by: the paper's augmentation, of faces as they are.
 _TEST = Variety(manners={Manner.AUGMENTED: 1.0}, of_model=0.0, mixed=0.0, blended=0.0)
@@ -181,7 +181,7 @@ class Pipeline:
         classes and to the weights as of the paper's 1.8 million iterations. Otherwise all go to the vertex loss.
 
         At last, of `looked_at` batches of drawings the layers in which lines join pixels learn again: what is
-        before them stays, and they see each of these drawings `_AGAIN` times, and as often the lines alone of some of
+        before them stays, and they see each of these drawings `_AGAIN` times, and beside them the lines alone of
         `_LINES_ALONE` times as many others.
 
         Raises
@@ -205,7 +205,9 @@ class Pipeline:
         about = f"{self.database.sum} {beyond} further people {variety} {by_people} drawings {origin} "
         if in_three_steps:
             classes, weights = (schedule.steps * part // 18 for part in _FIRST_STEPS)
-            known = self.examples(replace(variety, of_model=0.0, mixed=0.0, blended=0.0), schedule.batch, reshaped=False)
+            known = self.examples(
+                replace(variety, of_model=0.0, mixed=0.0, blended=0.0), schedule.batch, reshaped=False
+            )
             task: Task = Classes(network, self._poses, len(self.table.codes))
             network = train(task, known, replace(schedule, steps=classes), folder / "classes", workers, about)
             task = Weights(network, standardised_identities(self.table, model))
@@ -230,9 +232,9 @@ class Pipeline:
                 LookedAt.by(network, examples, share, 2 * workers).save(drawings)
             if not lines.exists():
                 LookedAt.by(None, alone, _LINES_ALONE * share, 2 * workers).save(lines)
-            again = Schedule(max(1, 2 * share * schedule.batch * _AGAIN // _LARGE), _LARGE, rate=1e-3)
+            again = Schedule(max(1, share * schedule.batch * _AGAIN // _SEEN), _SEEN + _ALONE, rate=1e-3)
             joining = Joining(network, model, vertex_metric(model))
-            seen = Again(LookedAt.load(drawings), LookedAt.load(lines), _LARGE, SEED)
+            seen = Again(LookedAt.load(drawings), LookedAt.load(lines), _SEEN, _ALONE, SEED)
             network = train(joining, seen, again, folder / f"joining-{digest}", 0, about)
         if team.leads:
             made = provenance(command, ("torch", "numpy", "opencv-python-headless")) | self.database.origin | origin

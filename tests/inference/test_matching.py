@@ -158,13 +158,14 @@ def test_the_code_of_a_drawing_is_found_from_a_guess(true):
     lines = split_lines(model.decode(wanted)[0])
     strokes = [np.concatenate([lines[SILHOUETTE], lines[SILHOUETTE][:1]]), lines["mouth_upper"], lines["mouth_lower"]]
     code = shape_code(model, POINTS, DrawnLines(strokes, [SILHOUETTE, "mouth_upper", "mouth_lower"]))
-    assert code.shape == (3 + POINTS.size,) and code.dtype == np.float32
+    assert code.shape == (3 + POINTS.size + 1,) and code.dtype == np.float32 and code[-1] == 1
     np.testing.assert_allclose(code[:2], true, atol=0.15)
-    assert np.abs(code[3:]).max() < 1  # the lines are the model's: nothing is left but noise
+    assert np.abs(code[3:-1]).max() < 1  # the lines are the model's: nothing is left but noise
 
 
 def test_a_drawing_of_unknown_strokes_has_the_code_of_none():
-    np.testing.assert_array_equal(shape_code(shape_model(), POINTS, DrawnLines([ellipse("nose")], ["unnamed"])), 0)
+    code = shape_code(shape_model(), POINTS, DrawnLines([ellipse("nose")], ["unnamed"]))
+    np.testing.assert_array_equal(code[:-1], 0)
 
 
 def test_of_points_that_are_seen_each_run_is_a_stroke():

@@ -115,7 +115,11 @@ def test_whether_points_were_found_counts_where_a_layout_takes_it(name, batch):
     found = lines.clone()
     found[:, -1] += 1
     (*_, (identity, _)), (*_, (other, _)) = network(images, lines), network(images, found)
-    assert torch.equal(identity, other) == (not network.layout.found) == (name in ("AlexNet", "PixelShapeCNN-Coefficients"))
+    assert (
+        torch.equal(identity, other)
+        == (not network.layout.found)
+        == (name in ("AlexNet", "PixelShapeCNN-Coefficients"))
+    )
 
 
 def test_a_network_of_lines_alone_does_not_look_at_the_pixels(batch):

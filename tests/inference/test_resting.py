@@ -1,0 +1,78 @@
+"""A mouth that nobody has drawn."""
+
+import numpy as np
+import pytest
+
+import sketchwidget as sw
+from sketchwidget.face.drawing import outline
+from sketchwidget.geometry.view import View
+from sketchwidget.inference.resting import MouthAtRest, mouth_may_be_drawn
+from sketchwidget.inference.shape_code import LINES, sample
+from sketchwidget.sketch import SILHOUETTE, UNNAMED, WRINKLE
+
+MOUTH, OTHERS = slice(48, 68), slice(17, 48)
+turn = np.linspace(0, 2 * np.pi, 60)
+OVAL = np.stack([0.5 + 0.27 * np.sin(turn), 0.5 - 0.39 * np.cos(turn)], axis=1)
+
+
+@pytest.fixture(scope="module")
+def model():
+    return sw.FaceModel.load()
+
+
+@pytest.fixture(scope="module")
+def at_rest(model):
+    basis = model.bilinear.basis.reshape(-1, 3, model.bilinear.basis.shape[1])
+    pick = model.template.subdivision[model.landmarks]
+    landmarks = np.stack([pick @ basis[:, axis] for axis in range(3)], axis=1).reshape(3 * len(model.landmarks), -1)
+    return MouthAtRest(model, landmarks, model.bilinear.expressions.std(axis=0))
+
+
+@pytest.fixture(scope="module")
+def points(model):
+    """The lines of the mean face."""
+    lines = {name: View().project(model.face().curve(name)) for name in LINES}
+    return sample(lines | {SILHOUETTE: outline(lines[SILHOUETTE])})
+
+
+@pytest.mark.parametrize("name", ["smile", "laugh", "jaw_drop", "anger"])
+@pytest.mark.parametrize("person", [0, 41, 203])
+def test_the_mouth_rests_and_the_rest_of_the_face_stays(model, at_rest, name, person):
+    identity = model.bilinear.identities[person]
+    before, rest = model.face(identity, name), model.face(identity)
+    after = model.face(identity, at_rest(identity, model.expression_weights(name))).landmarks
+
+    def apart(one, two, of):
+        return np.linalg.norm(one[of] - two[of], axis=1).mean()
+
+    moved = apart(before.landmarks, rest.landmarks, MOUTH)
+    assert apart(after, rest.landmarks, MOUTH) < max(0.3 * moved, 0.5)
+    assert apart(after, before.landmarks, OTHERS) < max(0.4 * apart(before.landmarks, rest.landmarks, OTHERS), 0.5)
+
+
+def test_a_face_at_rest_stays_as_it_is(model, at_rest):
+    identity, rest = model.bilinear.identities[7], model.expression_weights("neutral")
+    np.testing.assert_allclose(at_rest(identity, rest), rest, atol=1e-6)
+
+
+def test_an_oval_and_two_eyes_give_a_person_at_rest(model):
+    eye = np.stack([0.05 * np.sin(turn), 0.02 * np.cos(turn)], axis=1)
+    for strokes in ([OVAL], [OVAL, eye + (0.4, 0.47), eye + (0.6, 0.47)]):
+        face = sw.FaceRegressor.load().predict(sw.Sketch.from_strokes(strokes))
+        off = np.linalg.norm(face.landmarks[MOUTH] - model.face(face.identity).landmarks[MOUTH], axis=1)
+        assert off.mean() < 0.5
+
+
+def test_a_drawn_mouth_counts_and_so_does_what_may_be_one(points):
+    mouth = np.array([[0.4, 0.68], [0.5, 0.71], [0.6, 0.68]])
+    forehead = mouth - (0.0, 0.45)
+    for name in ("mouth_upper", "nose", WRINKLE, UNNAMED):
+        assert mouth_may_be_drawn([OVAL, mouth], [SILHOUETTE, name], points)
+    for name in (WRINKLE, "left_brow"):
+        assert not mouth_may_be_drawn([OVAL, forehead], [SILHOUETTE, name], points)
+    assert mouth_may_be_drawn([forehead], [UNNAMED], points)
+    nose = np.array([[0.47, 0.62], [0.5, 0.64], [0.53, 0.62]])
+    assert not mouth_may_be_drawn([OVAL, nose], [SILHOUETTE, "nose"], points)
+    assert mouth_may_be_drawn([OVAL, nose * (4, 1) - (1.5, 0.0)], [SILHOUETTE, "nose"], points)  # broader than a mouth
+    assert not mouth_may_be_drawn([OVAL, mouth], [SILHOUETTE, "left_ear"], points)
+    assert not mouth_may_be_drawn([], [], points)
