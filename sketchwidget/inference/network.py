@@ -128,8 +128,8 @@ class PixelShapeCNN(nn.Module):
     Parameters
     ----------
     identity_size, expression_size : int
-        The shape-level input has as many coefficients, with `Layout.left_over` 2 n numbers more, and with `Layout.found`
-        another one.
+        The shape-level input has as many coefficients, with `Layout.left_over` 2 n numbers more, and with
+        `Layout.found` another one.
     layout : Layout
 
     Attributes

@@ -46,8 +46,8 @@ class Variety:
         Share of exact and augmented drawings that show the people whom the face model is made of, as they are or
         between two of them and of their expressions: what the paper trains on.
     blended : float
-        Share of the other faces of nobody in the table, blended from five people's: of people who are drawn again and again
-        networks learn who they are, and little of others.
+        Share of the other faces of nobody in the table, blended from five people's: of people who are drawn again and
+        again networks learn who they are, and little of others.
     partial : float
         Share of the freehand drawings that have only some of their parts.
     missing : float
