@@ -57,7 +57,7 @@ def test_a_face_at_rest_stays_as_it_is(model, at_rest):
 
 def test_an_oval_and_two_eyes_give_a_person_at_rest(model):
     eye = np.stack([0.05 * np.sin(turn), 0.02 * np.cos(turn)], axis=1)
-    for strokes in ([OVAL], [OVAL, eye + (0.4, 0.47), eye + (0.6, 0.47)]):
+    for strokes in ([OVAL], [OVAL, eye + np.array([0.4, 0.47]), eye + np.array([0.6, 0.47])]):
         face = sw.FaceRegressor.load().predict(sw.Sketch.from_strokes(strokes))
         off = np.linalg.norm(face.landmarks[MOUTH] - model.face(face.identity).landmarks[MOUTH], axis=1)
         assert off.mean() < 0.5
