@@ -47,7 +47,7 @@ class LineRefiner:
         model: FaceModel,
         standard: dict[str, np.ndarray],
         errors: tuple[float, float] = _ERRORS,
-        steps: int = 3,
+        steps: int = 2,
         steady: bool = True,
     ) -> None:
         self._steps, self._steady = steps, steady

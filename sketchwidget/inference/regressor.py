@@ -10,7 +10,6 @@ import numpy as np
 import torch
 
 from ..face import Face, FaceModel
-from ..face.drawing import along_outline
 from ..face.drawing import outline as drawn_outline
 from ..face.wrinkles import LIPS
 from ..files.shipped import shipped
@@ -25,7 +24,7 @@ from .network_file import read_network
 from .normalise import Normalised, normalise
 from .refinement import LineRefiner
 from .resting import MouthAtRest, mouth_may_be_drawn
-from .shape_code import ShapeModel, sample
+from .shape_code import ShapeModel
 from .soft_limit import soft_limit
 
 NETWORKS = ("PixelShapeCNN", "PixelCNN")  # one file: the second is the first without its shape-level input
@@ -92,7 +91,7 @@ class FaceRegressor:
         database: str = "",
     ) -> None:
         self.model, self.shape_model, self.database = model, shape_model, database
-        self._refiner = LineRefiner(model, standard) if refine else None
+        self._refiner, self._refine = LineRefiner(model, standard), refine
         self._network = network.folded().bfloat16()
         self._network.to(memory_format=torch.channels_last)  # pyright: ignore[reportCallIssue]
         self._standard = standard
@@ -148,7 +147,7 @@ class FaceRegressor:
                 names = tuple(new if old == UNNAMED else old for old, new in zip(names, guessed, strict=True))
             named = time.perf_counter()
             frame = Frame.of_outline(silhouette)
-            points = frame(View().project(sample(_drawn(curves))))
+            points = self._refiner.framed(identity, expression)
             strokes = [frame(_on_head(view, stroke)) for stroke in strokes]
             identity, expression = self._by_lines(identity, expression, features, points, DrawnLines(strokes, names))
             if not mouth_may_be_drawn(strokes, names, points):
@@ -192,7 +191,7 @@ class FaceRegressor:
                 BY_PIXELS * alone + (1 - BY_PIXELS) * both
                 for alone, both in zip((identity, expression), joined, strict=True)
             )
-        if self._refiner is not None:
+        if self._refine:
             identity, expression = self._limited(*self._refiner(identity, expression, drawn.match))
         return identity, expression
 
@@ -311,12 +310,6 @@ def _basis_at(model: FaceModel, vertices: np.ndarray) -> np.ndarray:
     pick = model.template.subdivision[vertices]
     by_vertex = model.bilinear.basis.reshape(-1, 3, model.bilinear.basis.shape[1])
     return np.stack([pick @ by_vertex[:, axis] for axis in range(3)], axis=1).reshape(3 * len(vertices), -1)
-
-
-def _drawn(curves: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
-    """The lines (k, 3) that the shape model knows, the silhouette as it is drawn."""
-    silhouette = along_outline(curves[SILHOUETTE][:, :2], curves[SILHOUETTE])
-    return {SILHOUETTE: silhouette, **{name: curves[name] for name in FEATURES}}
 
 
 def _on_head(view: View, points: np.ndarray) -> np.ndarray:

@@ -79,7 +79,7 @@ class ShapeModel:
         """Number of coefficients of a drawing."""
         return self.core.shape[1] + self.core.shape[2]
 
-    def encode(self, points: np.ndarray, seen: np.ndarray) -> np.ndarray:
+    def encode(self, points: np.ndarray, seen: np.ndarray, near: np.ndarray | None = None) -> np.ndarray:
         """Coefficients of drawings, of which some points may be missing.
 
         The most likely ones under a normal prior, by alternating least squares from the mean on: what is not seen is
@@ -91,6 +91,8 @@ class ShapeModel:
             In the order of `sample`, in normalised drawings; what is not seen may be anything finite.
         seen : (b, n) array
             How much each point counts, from 0 to 1.
+        near : (b, p + q) array, optional
+            Coefficients to begin with in place of the mean, near those of the points: then one round is enough.
 
         Returns
         -------
@@ -101,8 +103,9 @@ class ShapeModel:
         target = points.reshape(count, -1).astype(np.float32) - self.mean
         weight = np.repeat(seen.astype(np.float32), 2, axis=1) / _NOISE**2
         p, q = self.core.shape[1:]
-        identity, expression = np.zeros((count, p), np.float32), np.zeros((count, q), np.float32)
-        for _ in range(_ROUNDS):
+        begin = np.zeros((count, p + q), np.float32) if near is None else near
+        identity, expression = begin[:, :p], begin[:, p:]
+        for _ in range(_ROUNDS if near is None else 1):
             by_identity = self._by_identity(self.expression_mean + self.expression_std * expression)
             rest = target - by_identity @ self.identity_mean
             identity = _most_likely(by_identity * self.identity_std, rest, weight)
