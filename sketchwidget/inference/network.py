@@ -39,7 +39,7 @@ class Layout:
     left_over : bool
         Whether this input holds, beside the coefficients of the lines, what these leave of their points.
     found : bool
-        Whether it holds behind these whether points were found, rather than known one by one.
+        Whether a last number says if points were found by matching (1), or it is known which is which (0).
     joined : int
         Neurons of a layer behind that of the shape-level input and the branch; with 0 the output follows at once.
     branched : bool
@@ -185,6 +185,8 @@ class PixelShapeCNN(nn.Module):
 
     def with_shape(self, features: list[Tensor], lines: Tensor) -> tuple[Tensor, Tensor]:
         """The same of pixels and of lines together, as `ShapeModel.describe` has them (b, p + q + 2 n + 1).
+
+        A layout takes the first `described` of these numbers.
 
         Raises
         ------

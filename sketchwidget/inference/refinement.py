@@ -40,6 +40,9 @@ class LineRefiner:
         Standard deviations by which identity and expression weights miss where they start from. With 1 and the mean
         face to start from, this is the fitting of a morphable model under its prior.
     steps : int
+        Of Gauss-Newton.
+    steady : bool
+        Whether what is not drawn keeps its shape; otherwise the prior alone says where it goes.
     """
 
     def __init__(

@@ -91,7 +91,7 @@ class FaceRegressor:
         database: str = "",
     ) -> None:
         self.model, self.shape_model, self.database = model, shape_model, database
-        self._refiner, self._refine = LineRefiner(model, standard), refine
+        self._lines, self._refines = LineRefiner(model, standard), refine
         self._network = network.folded().bfloat16()
         self._network.to(memory_format=torch.channels_last)  # pyright: ignore[reportCallIssue]
         self._standard = standard
@@ -116,7 +116,8 @@ class FaceRegressor:
 
         Once an outline of the head is found, place and size are taken from it, and strokes that are outside it and no
         ears are left out: the same drawing moved or scaled gives the same head, and hair moves nothing. Before that the
-        canvas itself is the frame. Ears beside the outline shape the head's ears and hardly anything else.
+        canvas itself is the frame. Ears beside the outline shape the head's ears and hardly anything else. Within an
+        outline a mouth that nobody has drawn is at rest.
 
         Raises
         ------
@@ -147,10 +148,10 @@ class FaceRegressor:
                 names = tuple(new if old == UNNAMED else old for old, new in zip(names, guessed, strict=True))
             named = time.perf_counter()
             frame = Frame.of_outline(silhouette)
-            points = self._refiner.framed(identity, expression)
+            points = self._lines.framed(identity, expression)
             strokes = [frame(_on_head(view, stroke)) for stroke in strokes]
             identity, expression = self._by_lines(identity, expression, features, points, DrawnLines(strokes, names))
-            if not mouth_may_be_drawn(strokes, names, points):
+            if not mouth_may_be_drawn(strokes, names, seen.places, points):
                 expression = self._at_rest(identity, expression)
         moved = time.perf_counter()
         face = self.model.face(identity, expression)
@@ -191,8 +192,8 @@ class FaceRegressor:
                 BY_PIXELS * alone + (1 - BY_PIXELS) * both
                 for alone, both in zip((identity, expression), joined, strict=True)
             )
-        if self._refine:
-            identity, expression = self._limited(*self._refiner(identity, expression, drawn.match))
+        if self._refines:
+            identity, expression = self._limited(*self._lines(identity, expression, drawn.match))
         return identity, expression
 
     def _features(self, seen: Normalised) -> list[torch.Tensor] | None:
@@ -225,8 +226,8 @@ class FaceRegressor:
         Parameters
         ----------
         images : (b, 256, 256) bool array
-        codes : (b, p + q + 2 n) array, optional
-            Of their lines, as `ShapeModel.describe` has them; without it only the pixels count.
+        codes : (b, p + q + 2 n + 1) array, optional
+            Of their lines, as `ShapeModel.describe` has them, or `shape_code` where it is not known which point is which; without it only the pixels count.
 
         Returns
         -------

@@ -7,43 +7,52 @@ from collections.abc import Sequence
 import numpy as np
 
 from ..face.model import FaceModel
-from ..sketch import SILHOUETTE, UNNAMED
+from ..sketch import SILHOUETTE
 from .shape_code import split_lines
 
 _MOUTH, _KEPT = slice(48, 68), slice(17, 48)  # landmarks: those of the mouth; brows, nose and eyes
 _OFF = 0.2  # mm by which landmarks may miss where they are wanted, beside a standard deviation of every weight
 
 
-def mouth_may_be_drawn(strokes: Sequence[np.ndarray], names: Sequence[str], points: np.ndarray) -> bool:
+def mouth_may_be_drawn(
+    strokes: Sequence[np.ndarray], names: Sequence[str], places: Sequence[str], points: np.ndarray
+) -> bool:
     """Whether any of some strokes (k, 2) is a mouth, or might be one that was taken for something else.
 
-    That is what has no name, and all that goes below the eyes but the outline, ears and a nose where one is, no broader
-    than a mouth: rather none is put to rest than one that is drawn.
+    Rather none is put to rest than one that is drawn. So this is whatever lies in the outline and goes below the eyes;
+    what was taken for an eye, a brow or a nose, no broader than a mouth, may do so as far as the nose does. And where
+    all but the outline is outside, the outline itself may be the mouth.
 
     Parameters
     ----------
     strokes : sequence of (k, 2) arrays
     names : sequence of str
         The line that each stroke was named after.
+    places : sequence of str
+        Whereabouts of each stroke: "inside", "ear" or "outside" the outline.
     points : (n, 2) array
         Of the head's lines, as `sketchwidget.inference.shape_code.sample` gives them, where the strokes are.
     """
+    inside = [
+        (stroke, name)
+        for stroke, name, place in zip(strokes, names, places, strict=True)
+        if place == "inside" and name != SILHOUETTE
+    ]
+    if not inside:
+        return "outside" in places
     lines = split_lines(points)
     eyes, mouth = max(lines[f"{side}_eye_lower"][:, 1].max() for side in ("left", "right")), lines["mouth_upper"]
     under_nose = (lines["nose"][:, 1].max() + mouth[:, 1].mean()) / 2
 
     def may_be_one(stroke: np.ndarray, name: str) -> bool:
-        if name == SILHOUETTE or name.endswith("ear"):
-            return False
-        width, bottom = np.ptp(stroke[:, 0]), stroke[:, 1].max()
-        nose = name == "nose" and width <= np.ptp(mouth[:, 0])
-        return name == UNNAMED or "mouth" in name or bool(bottom > (under_nose if nose else eyes))
+        other = "eye" in name or "brow" in name or (name == "nose" and np.ptp(stroke[:, 0]) <= np.ptp(mouth[:, 0]))
+        return "mouth" in name or bool(stroke[:, 1].max() > (under_nose if other else eyes))
 
-    return any(may_be_one(stroke, name) for stroke, name in zip(strokes, names, strict=True))
+    return any(may_be_one(stroke, name) for stroke, name in inside)
 
 
 class MouthAtRest:
-    """Takes the mouth of a head of one model to rest and leaves brows, nose and eyes as they are.
+    """Takes the mouth of a head of one model to rest, and leaves brows, nose and eyes as they are; the jaw follows.
 
     Parameters
     ----------

@@ -21,6 +21,7 @@ from .manners import Drawn, Manner, draw
 from .reshaping import Reshaping
 
 # How often expressions are drawn, others once: people draw jaws, not puffed cheeks, and by hand mostly faces at rest.
+# Only faces `of_model` are in all expressions alike, as in the paper.
 _RARE = {"cheek_puff": 0.2, "blowfish": 0.2}
 _BY_HAND = _RARE | {"neutral": 8.0, "smile": 3.0}
 _LEVELS_BY_HAND = np.array([1.0, 0.8, 0.6, 0.4])  # how often people mean each level of exaggeration
@@ -40,11 +41,11 @@ class Variety:
         Share of each `Manner`.
     wrinkles : float
         Share of drawings with wrinkle lines, of people whose wrinkles are known.
-    mixed : float
-        Share of the other faces between two expressions.
     of_model : float
         Share of exact and augmented drawings that show the people whom the face model is made of, as they are or
         between two of them and of their expressions: what the paper trains on.
+    mixed : float
+        Share of the other faces between two expressions.
     blended : float
         Share of the other faces of nobody in the table, blended from five people's: of people who are drawn again and
         again networks learn who they are, and little of others.
@@ -162,7 +163,7 @@ class Examples(Batches):
     table : FaceTable
     kept : (m,) int array
         Faces to draw, as numbers of the database: person after person, each in all expressions.
-    of_model : int
+    people_of_model : int
         Rows of the table of the people whom the face model is made of; they are the first.
     expressions : list of str
     poses : (e, q) array
@@ -183,7 +184,7 @@ class Examples(Batches):
         self,
         table: FaceTable,
         kept: np.ndarray,
-        of_model: int,
+        people_of_model: int,
         expressions: list[str],
         poses: np.ndarray,
         shape_model: ShapeModel,
@@ -197,7 +198,7 @@ class Examples(Batches):
         super().__init__(seed)
         self._pixels = pixels
         self.table, self.variety, self.batch = table, variety, batch
-        self._kept, self._of_model = kept, kept[kept < of_model * len(expressions)]
+        self._kept, self._faces_of_model = kept, kept[kept < people_of_model * len(expressions)]
         self._is_kept = np.zeros(table.codes.shape[0] * len(expressions), dtype=bool)
         self._is_kept[kept] = True
         self._by_expression = [kept[kept % len(expressions) == expression] for expression in range(len(expressions))]
@@ -238,7 +239,7 @@ class Examples(Batches):
         manner = self._manners[int(random.choice(len(self._manners), p=self._shares))]
         freehand = manner is Manner.FREEHAND
         parts: set[str] = self._parts(random) if freehand else set(PARTS)
-        if not freehand and len(self._of_model) and random.random() < self.variety.of_model:
+        if not freehand and len(self._faces_of_model) and random.random() < self.variety.of_model:
             row, face = self._one_of_model(random)
         else:
             row, face = self._face(random, quiet="mouth" not in parts, freehand=freehand)
@@ -289,7 +290,7 @@ class Examples(Batches):
 
     def _one_of_model(self, random: np.random.Generator) -> tuple[int, _Face]:
         """Number of a face of the people of the model and that face, or one between it and another one of theirs."""
-        one, other = random.choice(self._of_model, 2)
+        one, other = random.choice(self._faces_of_model, 2)
         (person, expression), (somebody, another) = (divmod(int(row), len(self._poses)) for row in (one, other))
         rows = len(self._poses) * np.array([person, person, somebody, somebody]) + np.array([expression, another] * 2)
         if random.random() < _AS_THEY_ARE or not self._is_kept[rows].all():

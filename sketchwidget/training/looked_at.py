@@ -78,7 +78,7 @@ class Again(Batches):
     ----------
     drawings, lines : LookedAt
     seen, alone : int
-        How many of each in a batch.
+        Drawings and lines alone in each batch.
     seed : int
     """
 

@@ -181,8 +181,8 @@ class Pipeline:
         classes and to the weights as of the paper's 1.8 million iterations. Otherwise all go to the vertex loss.
 
         At last, of `looked_at` batches of drawings the layers in which lines join pixels learn again: what is
-        before them stays, and they see each of these drawings `_AGAIN` times, and beside them the lines alone of
-        `_LINES_ALONE` times as many others.
+        before them stays, and they see each of these drawings `_AGAIN` times, and with `_SEEN` of them at a time
+        `_ALONE` of the lines alone of `_LINES_ALONE` times as many others.
 
         Raises
         ------
@@ -220,7 +220,7 @@ class Pipeline:
         if looked_at:
             # Each of a team looks at drawings of its own.
             about += f"{network.layout.to_json()} {schedule}, then {looked_at} batches of {team.size} {_AGAIN} times "
-            about += f"and {_LINES_ALONE} times as many lines alone "
+            about += f"and {_LINES_ALONE} times as many lines alone, {_SEEN} and {_ALONE} at a time "
             share = max(1, looked_at // team.size)
             digest = hashlib.sha256(about.encode()).hexdigest()[:8]
             examples.start, examples.stride = schedule.steps * team.size + team.rank, team.size
@@ -258,7 +258,9 @@ def _begin_with(start: Path, network: PixelShapeCNN) -> dict[str, str]:
     """
     stored = read_network(start).network
     if stored.sizes != network.sizes or not stored.layout.differs_in_shape_only(network.layout):
-        raise ValueError(f"{start} has another layout than the network to train: name the same --variant")
+        raise ValueError(
+            f"{start} has another layout than the network to train: name the same --variant, of this version"
+        )
     same = stored.layout == network.layout
     weights = {name: value for name, value in stored.state_dict().items() if same or not name.startswith("shape_")}
     network.load_state_dict(weights, strict=same)

@@ -166,6 +166,7 @@ def test_the_code_of_a_drawing_is_found_from_a_guess(true):
 def test_a_drawing_of_unknown_strokes_has_the_code_of_none():
     code = shape_code(shape_model(), POINTS, DrawnLines([ellipse("nose")], ["unnamed"]))
     np.testing.assert_array_equal(code[:-1], 0)
+    assert code[-1] == 1
 
 
 def test_of_points_that_are_seen_each_run_is_a_stroke():

@@ -187,12 +187,19 @@ stages = st.lists(st.integers(0, 512), min_size=1, max_size=5).map(tuple)
         hidden=sizes,
         branch=sizes,
         shape=sizes,
-        left_over=st.just(True),
-        found=st.booleans(),
+        left_over=st.booleans(),
         joined=st.integers(0, 4096),
         branched=st.booleans(),
     )
 )
 def test_layouts_are_read_as_they_were_kept(layout):
+    layout = replace(layout, found=layout.left_over)
     again = Layout.from_json(layout.to_json())
     assert again == layout and hash(again) == hash(layout)
+
+
+def test_former_files_do_not_say_whether_points_were_found():
+    sizes = json.loads(replace(TINY, left_over=True).to_json())
+    del sizes["found"]
+    layout = Layout.from_json(json.dumps(sizes))
+    assert not layout.found and PixelShapeCNN(*SIZES, layout).described == sum(SIZES) + 2 * POINTS

@@ -63,16 +63,32 @@ def test_an_oval_and_two_eyes_give_a_person_at_rest(model):
         assert off.mean() < 0.5
 
 
+def test_hair_and_a_neck_leave_a_mouth_at_rest_that_is_not_drawn(model):
+    eye = np.stack([0.05 * np.sin(turn), 0.02 * np.cos(turn)], axis=1)
+    hair = np.stack([0.5 + 0.33 * np.sin(turn[15:46] + np.pi), 0.45 - 0.45 * np.cos(turn[15:46] + np.pi)], axis=1)
+    neck = np.array([[0.42, 0.9], [0.42, 0.99]])
+    strokes = [OVAL, eye + np.array([0.4, 0.47]), eye + np.array([0.6, 0.47]), hair, neck]
+    face = sw.FaceRegressor.load().predict(sw.Sketch.from_strokes(strokes))
+    off = np.linalg.norm(face.landmarks[MOUTH] - model.face(face.identity).landmarks[MOUTH], axis=1)
+    assert off.mean() < 0.5
+
+
 def test_a_drawn_mouth_counts_and_so_does_what_may_be_one(points):
+    def may_be_drawn(*named):
+        strokes, names, places = zip(*[(OVAL, SILHOUETTE, "inside"), *named], strict=True)
+        return mouth_may_be_drawn(strokes, names, places, points)
+
     mouth = np.array([[0.4, 0.68], [0.5, 0.71], [0.6, 0.68]])
-    forehead = mouth - (0.0, 0.45)
-    for name in ("mouth_upper", "nose", WRINKLE, UNNAMED):
-        assert mouth_may_be_drawn([OVAL, mouth], [SILHOUETTE, name], points)
+    forehead, nose = mouth - (0.0, 0.45), np.array([[0.47, 0.62], [0.5, 0.64], [0.53, 0.62]])
+    for name in ("mouth_upper", "nose", WRINKLE):
+        assert may_be_drawn((mouth, name, "inside"))
     for name in (WRINKLE, "left_brow"):
-        assert not mouth_may_be_drawn([OVAL, forehead], [SILHOUETTE, name], points)
-    assert mouth_may_be_drawn([forehead], [UNNAMED], points)
-    nose = np.array([[0.47, 0.62], [0.5, 0.64], [0.53, 0.62]])
-    assert not mouth_may_be_drawn([OVAL, nose], [SILHOUETTE, "nose"], points)
-    assert mouth_may_be_drawn([OVAL, nose * (4, 1) - (1.5, 0.0)], [SILHOUETTE, "nose"], points)  # broader than a mouth
-    assert not mouth_may_be_drawn([OVAL, mouth], [SILHOUETTE, "left_ear"], points)
-    assert not mouth_may_be_drawn([], [], points)
+        assert not may_be_drawn((forehead, name, "inside"))
+    for name in ("nose", "left_eye_lower"):  # a low eye is no mouth
+        assert not may_be_drawn((nose, name, "inside"))
+    broad = nose * (4, 1) - (1.5, 0.0)
+    assert may_be_drawn((broad, "nose", "inside")) and may_be_drawn((nose, WRINKLE, "inside"))
+    assert not may_be_drawn((mouth, "left_ear", "ear")) and not may_be_drawn()
+    # Beside what is inside, what is outside is hair; if all is outside, the outline may be a mouth.
+    assert not may_be_drawn((forehead, "left_brow", "inside"), (mouth, UNNAMED, "outside"))
+    assert may_be_drawn((forehead, UNNAMED, "outside"))

@@ -148,3 +148,14 @@ def test_a_point_far_off_counts_no_more_than_one_that_strays_a_little_more():
     points[0, 5] += 3.0
     left = MODEL.describe(points, np.tile(EVERYTHING, (3, 1)))[:, MODEL.size : -1]
     assert np.abs(left).max() == 4.0
+
+
+@given(seeds)
+@settings(max_examples=20)
+def test_from_near_coefficients_on_one_round_is_enough(seed):
+    codes, points = drawn(seed)
+    every = np.tile(EVERYTHING, (3, 1))
+    found = MODEL.encode(points, every)
+    near = MODEL.encode(points + np.random.default_rng(seed).normal(0, 0.002, points.shape), every)
+    once = MODEL.encode(points, every, near=near)
+    assert np.abs(MODEL.decode(once) - points).mean() <= 1.2 * np.abs(MODEL.decode(found) - points).mean() + 1e-4
