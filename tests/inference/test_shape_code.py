@@ -153,7 +153,7 @@ def test_a_point_far_off_counts_no_more_than_one_that_strays_a_little_more():
 @given(seeds)
 @settings(max_examples=20)
 def test_from_near_coefficients_on_one_round_is_enough(seed):
-    codes, points = drawn(seed)
+    _, points = drawn(seed)
     every = np.tile(EVERYTHING, (3, 1))
     found = MODEL.encode(points, every)
     near = MODEL.encode(points + np.random.default_rng(seed).normal(0, 0.002, points.shape), every)
