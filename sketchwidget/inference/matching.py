@@ -228,11 +228,12 @@ def shape_code(model: ShapeModel, points: np.ndarray, drawn: DrawnLines) -> np.n
     drawn : DrawnLines
         In that frame.
     """
-    ordered, code = OrderedLines(drawn, points), None
-    for turn in range(_ROUNDS):
-        found, weight = ordered.match(points, settled=turn > 0)
+    ordered = OrderedLines(drawn, points)
+    found, weight = ordered.match(points)
+    code = model.encode(found[None], weight[None])
+    for _ in range(_ROUNDS - 1):
+        found, weight = ordered.match(model.decode(code)[0], settled=True)
         code = model.encode(found[None], weight[None], near=code)
-        points = model.decode(code)[0]
     left_over = model.left_over(code, found[None], weight[None])
     return np.concatenate([soft_limit(code, *_CODE_LIMIT)[0], left_over[0], [1.0]], dtype=np.float32)
 
