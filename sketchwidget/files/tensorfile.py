@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
@@ -15,7 +15,9 @@ from .whole import whole
 MAX_BYTES = 256 * 2**20
 
 
-def read(path: Path, kind: str, wanted: str, framework: str = "numpy") -> tuple[dict[str, str], dict[str, Any]]:
+def read(
+    path: Path, kind: str, wanted: str, framework: str = "numpy", former: Collection[str] = ()
+) -> tuple[dict[str, str], dict[str, Any]]:
     """Header and tensors of a file.
 
     Parameters
@@ -27,6 +29,8 @@ def read(path: Path, kind: str, wanted: str, framework: str = "numpy") -> tuple[
         The format that its header should name.
     framework : str
         Of the tensors: "numpy" or "pt".
+    former : collection of str
+        Other formats that will do.
 
     Raises
     ------
@@ -42,7 +46,7 @@ def read(path: Path, kind: str, wanted: str, framework: str = "numpy") -> tuple[
     try:
         with safe_open(path, framework=framework) as file:
             header = file.metadata() or {}
-            if header.get("format") != wanted:
+            if header.get("format") not in (wanted, *former):
                 raise ValueError(f"{path} is no {kind}: its format is {header.get('format')!r}, not {wanted!r}")
             return header, {name: file.get_tensor(name) for name in file.keys()}  # noqa: SIM118  (no mapping)
     except SafetensorError as error:

@@ -54,18 +54,23 @@ class DrawnLines:
     """
 
     def __init__(self, strokes: Sequence[np.ndarray], names: Sequence[str]) -> None:
-        self._strokes: dict[str, list[np.ndarray]] = {}
+        drawn: dict[str, list[np.ndarray]] = {}
         for stroke, name in zip(strokes, names, strict=True):
             if name in GROUPS:
-                self._strokes.setdefault(name, []).append(np.asarray(stroke))
+                drawn.setdefault(name, []).append(np.asarray(stroke))
         ink: dict[str, list[np.ndarray]] = {}
         for outline in (True, False):
-            chosen = [(name, of) for name, of in self._strokes.items() if (name == SILHOUETTE) == outline]
+            chosen = [(name, of) for name, of in drawn.items() if (name == SILHOUETTE) == outline]
             every = [stroke for _, of in chosen for stroke in of]
             dense = iter(resample_each(every, _OUTLINE_INK if outline else _FEATURE_INK))
             for name, of in chosen:
                 ink.setdefault(GROUPS[name], []).extend(next(dense) for _ in of)
-        self._ink = {group: _Ink.of(np.concatenate(lines)) for group, lines in ink.items()}
+        self._keep(drawn, {group: _Ink.of(np.concatenate(lines)) for group, lines in ink.items()})
+
+    def _keep(self, strokes: dict[str, list[np.ndarray]], ink: dict[str, _Ink]) -> None:
+        self._strokes, self._ink = strokes, ink
+        self._middles = np.array([ink[group].middle if group in ink else (np.nan, np.nan) for group in PLACES])
+        self._breadths = np.array([ink[group].breadth if group in ink else np.inf for group in PLACES])
 
     @classmethod
     def of_points(cls, points: np.ndarray, seen: np.ndarray) -> DrawnLines:
@@ -84,8 +89,10 @@ class DrawnLines:
     def without_ears(self) -> DrawnLines:
         """All of them but the ears."""
         others = copy.copy(self)
-        others._ink = {group: ink for group, ink in self._ink.items() if not group.endswith("ear")}
-        others._strokes = {name: strokes for name, strokes in self._strokes.items() if not name.endswith("ear")}
+        strokes, ink = (
+            {of: value for of, value in kept.items() if not of.endswith("ear")} for kept in (self._strokes, self._ink)
+        )
+        others._keep(strokes, ink)
         return others
 
     def match(self, points: np.ndarray, settled: bool = False) -> tuple[np.ndarray, np.ndarray]:
@@ -116,10 +123,8 @@ class DrawnLines:
         low, high = (most.reduceat(points[_SORTED], _BEGINS) for most in (np.minimum, np.maximum))
         # Of lids it is easily the wrong one that is nearest.
         moved = _EYES if settled else _PLACED_WHOLE
-        middles = np.array([self._ink[group].middle if group in self._ink else (np.nan, np.nan) for group in PLACES])
-        breadths = np.array([self._ink[group].breadth if group in self._ink else np.inf for group in PLACES])
-        by = np.where(moved[:, None] & np.isfinite(middles), middles - (low + high) / 2, 0.0)
-        marked = _EYES & (breadths < _MARK * (high - low).max(axis=1))
+        by = np.where(moved[:, None] & np.isfinite(self._middles), self._middles - (low + high) / 2, 0.0)
+        marked = _EYES & (self._breadths < _MARK * (high - low).max(axis=1))
         return points + by[_GROUP], marked[_GROUP]
 
     def nearest(self, beside: np.ndarray, known: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -216,9 +221,9 @@ class _Ink:
 
 
 def shape_code(model: ShapeModel, points: np.ndarray, drawn: DrawnLines) -> np.ndarray:
-    """A drawing's lines as `ShapeModel.describe` has them (p + q + 2 n + 1,), found from a guess of where they are.
+    """A drawing's lines as `ShapeModel.describe` has them (p + q + r + 1,), found from a guess of where they are.
 
-    Coefficients go no further than those of heads do; what is left of the points is what they left before that.
+    Coefficients go no further than those of heads do.
 
     Parameters
     ----------
@@ -234,8 +239,8 @@ def shape_code(model: ShapeModel, points: np.ndarray, drawn: DrawnLines) -> np.n
     for _ in range(_ROUNDS - 1):
         found, weight = ordered.match(model.decode(code)[0], settled=True)
         code = model.encode(found[None], weight[None], near=code)
-    left_over = model.left_over(code, found[None], weight[None])
-    return np.concatenate([soft_limit(code, *_CODE_LIMIT)[0], left_over[0], [1.0]], dtype=np.float32)
+    details = model.details(found[None], weight[None])
+    return np.concatenate([soft_limit(code, *_CODE_LIMIT)[0], details[0], [1.0]], dtype=np.float32)
 
 
 def _middle(points: np.ndarray) -> np.ndarray:

@@ -11,7 +11,7 @@ import torch
 from torch import Tensor, nn
 from torch.nn.utils.fusion import fuse_conv_bn_eval
 
-from .shape_code import POINTS
+from .shape_code import DETAILS
 
 IMAGE_SIZE = 256
 
@@ -36,10 +36,9 @@ class Layout:
         Neurons of each fully connected layer of the branches.
     shape : int
         Neurons in each branch for the shape-level input; with 0 there is no such input.
-    left_over : bool
-        Whether this input holds, beside the coefficients of the lines, what these leave of their points.
-    found : bool
-        Whether a last number says if points were found by matching (1), or it is known which is which (0).
+    details : int
+        Numbers of this input that hold, beside the coefficients of the lines, the details of their points; a last one
+        then says if points were found by matching (1), or it is known which is which (0).
     joined : int
         Neurons of a layer behind that of the shape-level input and the branch; with 0 the output follows at once.
     branched : bool
@@ -53,8 +52,7 @@ class Layout:
     hidden: int = 640
     branch: int = 448
     shape: int = 512
-    left_over: bool = False
-    found: bool = False
+    details: int = 0
     joined: int = 0
     branched: bool = True
 
@@ -63,8 +61,6 @@ class Layout:
             raise ValueError(f"convolutions are residual, alexnet or none; given {self.convolutions!r}")
         if self.convolutions == "none" and not self.shape:
             raise ValueError("a network sees pixels or shape; this layout has neither")
-        if self.found and not self.left_over:
-            raise ValueError("whether points were found stands behind what coefficients leave of them, or not at all")
 
     @property
     def answers(self) -> tuple[str, ...]:
@@ -77,13 +73,6 @@ class Layout:
         small = {name: getattr(TINY, name) for name in ("channels", "blocks", "bottleneck", "hidden", "branch")}
         return replace(self, **small, shape=min(self.shape, TINY.shape), joined=min(self.joined, TINY.shape))
 
-    def differs_in_shape_only(self, other: Layout) -> bool:
-        """Whether a network of another layout is the same up to where the shape-level input joins it."""
-        if self.convolutions == "none":
-            return other == self
-        lines = {name: getattr(self, name) for name in ("shape", "left_over", "found", "joined")}
-        return replace(other, **lines) == self
-
     def to_json(self) -> str:
         """The layout as it is kept in a network's file."""
         return json.dumps(asdict(self))
@@ -95,7 +84,7 @@ class Layout:
         return cls(**sizes | {name: tuple(sizes[name]) for name in ("channels", "blocks")})
 
 
-COMPACT = Layout(left_over=True, found=True, joined=448)
+COMPACT = Layout(details=DETAILS, joined=352)
 PAPER = Layout(convolutions="alexnet", hidden=4096, branch=1024)
 TINY = Layout(channels=(8, 12, 16, 16), blocks=(0, 1, 1, 1), bottleneck=8, hidden=64, branch=48, shape=32)
 
@@ -128,8 +117,7 @@ class PixelShapeCNN(nn.Module):
     Parameters
     ----------
     identity_size, expression_size : int
-        The shape-level input has as many coefficients, with `Layout.left_over` 2 n numbers more, and with
-        `Layout.found` another one.
+        The shape-level input has as many coefficients, and with `Layout.details` these and one number more.
     layout : Layout
 
     Attributes
@@ -142,7 +130,7 @@ class PixelShapeCNN(nn.Module):
         super().__init__()
         self.layout, self.sizes = layout, (identity_size, expression_size)
         coefficients = identity_size + expression_size
-        self.described = coefficients + 2 * POINTS * layout.left_over + layout.found
+        self.described = coefficients + (layout.details + 1 if layout.details else 0)
         if layout.convolutions == "none":
             self.convolutions, width = None, self.described
         else:
@@ -184,7 +172,7 @@ class PixelShapeCNN(nn.Module):
         return self._split([output(feature) for output, feature in zip(self.outputs, features, strict=True)])
 
     def with_shape(self, features: list[Tensor], lines: Tensor) -> tuple[Tensor, Tensor]:
-        """The same of pixels and of lines together, as `ShapeModel.describe` has them (b, p + q + 2 n + 1).
+        """The same of pixels and of lines together, as `ShapeModel.describe` has them (b, p + q + r + 1).
 
         A layout takes the first `described` of these numbers.
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from pathlib import Path
 
 import numpy as np
@@ -15,10 +15,12 @@ from ..files.tensorfile import read, writing
 from .network import Layout, PixelShapeCNN
 from .shape_code import ShapeModel
 
-FORMAT = "sketchwidget network 2"
+FORMAT = "sketchwidget network 3"
+_FORMER = ("sketchwidget network 2",)  # lines were described in another way
 _STANDARD = ("identity_mean", "identity_std", "expression_mean", "expression_std")
 _SHAPE = "shape."
-_SHAPE_FIELDS = ("mean", "core", *_STANDARD)
+_SHAPE_FIELDS = tuple(field.name for field in fields(ShapeModel))
+_HALVED = ("core", "detail_axes")
 
 
 @dataclass(frozen=True)
@@ -63,6 +65,12 @@ def read_network(path: Path) -> StoredNetwork:
     return StoredNetwork(header, network, standard, shape_model)
 
 
+def read_weights(path: Path) -> dict[str, torch.Tensor]:
+    """The weights alone of a network's file, of this format or the former one; raises as `read_network` does."""
+    _, tensors = read(path, "network", FORMAT, framework="pt", former=_FORMER)
+    return {name: tensor for name, tensor in tensors.items() if name not in _STANDARD and not name.startswith(_SHAPE)}
+
+
 def save_network(
     path: str | os.PathLike[str],
     network: PixelShapeCNN,
@@ -78,7 +86,7 @@ def save_network(
     }
     tensors |= {name: torch.from_numpy(standard[name]) for name in _STANDARD}
     for name in _SHAPE_FIELDS:
-        kind = torch.float16 if name == "core" else torch.float32
+        kind = torch.float16 if name in _HALVED else torch.float32
         tensors[_SHAPE + name] = torch.from_numpy(getattr(shape_model, name)).to(kind)
     header = {"format": FORMAT, "layout": network.layout.to_json(), "face_model": model.fingerprint, **provenance}
     with writing(path) as unfinished:

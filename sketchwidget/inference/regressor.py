@@ -226,7 +226,7 @@ class FaceRegressor:
         Parameters
         ----------
         images : (b, 256, 256) bool array
-        codes : (b, p + q + 2 n + 1) array, optional
+        codes : (b, p + q + r + 1) array, optional
             Of their lines, as `ShapeModel.describe` has them, or `shape_code` where it is not known which point is
             which; without it only the pixels count.
 

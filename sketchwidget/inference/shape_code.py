@@ -17,10 +17,11 @@ _OUTLINE_POINTS = 60
 _LINE_POINTS = 12
 _NOISE = 0.005  # canvas units by which drawn lines stray: how much the points count against the prior
 _ROUNDS = 3
-_LEFT_OVER = 4.0  # times that noise: further off, a point is not the line's
+_FARTHEST = 8.0  # standard deviations that a detail goes to
 
 COUNTS = {name: _OUTLINE_POINTS if name == SILHOUETTE else _LINE_POINTS for name in LINES}
 POINTS = sum(COUNTS.values())
+DETAILS = 360  # numbers that tell what the points themselves are like
 
 
 def sample(lines: Mapping[str, np.ndarray]) -> np.ndarray:
@@ -65,6 +66,10 @@ class ShapeModel:
         Of u over the people that the model is made of.
     expression_mean, expression_std : (q,) arrays
         Of v over their expressions.
+    detail_mean : (3 n,) array
+        Of `weighted` points over drawings.
+    detail_axes : (3 n, r) array
+        Directions in which these differ, each over its standard deviation.
     """
 
     mean: np.ndarray
@@ -73,6 +78,8 @@ class ShapeModel:
     identity_std: np.ndarray
     expression_mean: np.ndarray
     expression_std: np.ndarray
+    detail_mean: np.ndarray
+    detail_axes: np.ndarray
 
     @property
     def size(self) -> int:
@@ -115,7 +122,7 @@ class ShapeModel:
         return np.concatenate([identity, expression], axis=1)
 
     def describe(self, points: np.ndarray, seen: np.ndarray) -> np.ndarray:
-        """Coefficients of drawings, what these leave of the points, and 0: (b, p + q + 2 n + 1) float32.
+        """Coefficients of drawings, their details, and 0: (b, p + q + r + 1) float32.
 
         The last number is 1 where points had to be found, see `sketchwidget.inference.matching.shape_code`: a network
         believes those less than points of which it is known which is which, as these are.
@@ -123,15 +130,18 @@ class ShapeModel:
         Parameters as `encode` has them.
         """
         codes = self.encode(points, seen)
-        return np.concatenate([codes, self.left_over(codes, points, seen), np.zeros_like(codes[:, :1])], axis=1)
+        return np.concatenate([codes, self.details(points, seen), np.zeros_like(codes[:, :1])], axis=1)
 
-    def left_over(self, codes: np.ndarray, points: np.ndarray, seen: np.ndarray) -> np.ndarray:
-        """How far points are from where coefficients (b, p + q) have them: (b, 2 n), 4 times the drawing noise at most.
+    def details(self, points: np.ndarray, seen: np.ndarray) -> np.ndarray:
+        """What the points themselves tell, and which of them are seen: (b, r), each number of unit spread.
 
-        Parameters otherwise as `encode` has them: what counts less is less off, what is not seen is 0.
+        Heads differ in the breadth of a jaw by a hundred times what they differ in by the bow of a lid; along the
+        principal directions of drawings, each over its standard deviation, a network hears of either as loudly.
+
+        Parameters as `encode` has them.
         """
-        off = np.where(seen[..., None] > 0, seen[..., None] * (points - self.decode(codes)), 0.0) / _NOISE
-        return np.clip(off, -_LEFT_OVER, _LEFT_OVER).reshape(len(codes), -1).astype(np.float32)
+        details = (weighted(self.mean, points, seen) - self.detail_mean) @ self.detail_axes
+        return np.clip(details, -_FARTHEST, _FARTHEST).astype(np.float32)
 
     def decode(self, codes: np.ndarray) -> np.ndarray:
         """Points (b, n, 2) of coefficients (b, p + q)."""
@@ -156,6 +166,15 @@ class ShapeModel:
             np.ascontiguousarray(self.core.transpose(2, 0, 1).reshape(q, -1)),
             np.ascontiguousarray(self.core.transpose(1, 0, 2).reshape(p, -1)),
         )
+
+
+def weighted(mean: np.ndarray, points: np.ndarray, seen: np.ndarray) -> np.ndarray:
+    """How far points (b, n, 2) are from those of a mean (2 n,), and how much they count (b, n): (b, 3 n) float32.
+
+    What counts less is less off, in units of the drawing noise; what is not seen may be anything finite and is 0.
+    """
+    off = np.where(seen[..., None] > 0, seen[..., None] * (points - mean.reshape(-1, 2)), 0.0) / _NOISE
+    return np.concatenate([off.reshape(len(points), -1), seen], axis=1, dtype=np.float32)
 
 
 def _most_likely(design: np.ndarray, target: np.ndarray, weight: np.ndarray) -> np.ndarray:

@@ -68,14 +68,14 @@ class Variety:
         default_factory=lambda: {Manner.EXACT: 0.3, Manner.AUGMENTED: 0.35, Manner.FREEHAND: 0.35}
     )
     wrinkles: float = 0.75
-    of_model: float = 0.4
+    of_model: float = 0.3
     mixed: float = 0.4
-    blended: float = 0.8
+    blended: float = 0.5
     partial: float = 0.4
     missing: float = 0.06
     view: float = 2.5
     hand: Hand = field(default_factory=Hand)
-    found: float = 0.5
+    found: float = 0.35
     people: float = 0.1
 
 
@@ -110,7 +110,7 @@ class Batch(NamedTuple):
     Parameters
     ----------
     images : (b, 1, 256, 256) bool array
-    shapes : (b, p + q + 2 n + 1) array
+    shapes : (b, p + q + r + 1) array
         Their lines, as `ShapeModel.describe` has them.
     codes : (b, k) array
         Of their faces, in the model's components.

@@ -24,7 +24,7 @@ class LookedAt:
     ----------
     features : (m, f) float16 array
         Those of one branch after the other; (m, 0) where only the lines are known.
-    shapes : (m, p + q + 2 n + 1) float16 array
+    shapes : (m, p + q + r + 1) float16 array
     codes : (m, k) float32 array
     poses : (m, q) float32 array
         As `Batch` has them.
@@ -50,7 +50,9 @@ class LookedAt:
                 features = torch.empty(len(images), 0)
                 if network is not None:
                     features = torch.cat(network.features(images.to(torch.bfloat16)), dim=1)
-                parts.append((features.half().numpy(), shapes.half().numpy(), codes.numpy(), poses.numpy()))
+                # Copies: what comes from a worker holds a file open each, and there are tens of thousands.
+                kept = (features.half(), shapes.half(), codes.clone(), poses.clone())
+                parts.append(tuple(values.numpy() for values in kept))
         return cls(*(np.concatenate(part) for part in zip(*parts, strict=True)))
 
     def some(self, count: int, random: np.random.Generator) -> tuple[np.ndarray, ...]:

@@ -20,7 +20,7 @@ from ..database.store import WRINKLE_POINTS, WRINKLES
 from ..face import Face
 from ..files.kept import keep, kept
 from ..inference.network import COMPACT, Layout, PixelShapeCNN
-from ..inference.network_file import read_network, save_network
+from ..inference.network_file import read_weights, save_network
 from ..inference.shape_code import ShapeModel
 from ..sketch import WRINKLE, resample_each
 from .drawings import DrawnExamples
@@ -37,8 +37,8 @@ from .tasks import Classes, Faces, Joining, Task, Weights, standardised_identiti
 from .team import Team
 
 SEED = 7
-_AGAIN, _LINES_ALONE = 10, 4  # times that drawings looked at are seen, and how many lines alone there are for each
-_SEEN, _ALONE = 64, 192  # drawings looked at and lines alone, in a batch
+_AGAIN, _LINES_ALONE = 3, 6  # times that drawings looked at are seen, and how many lines alone there are for each
+_SEEN, _ALONE = 32, 224  # drawings looked at and lines alone, in a batch
 _FIRST_STEPS = (5, 8)  # of 18: 500,000 and 800,000 of the paper's 1,800,000 iterations
 # Drawings that a training is followed by: the paper's augmentation, of faces as they are.
 _TEST = Variety(manners={Manner.AUGMENTED: 1.0}, of_model=0.0, mixed=0.0, blended=0.0)
@@ -249,19 +249,20 @@ def _some(numbers: np.ndarray, count: int) -> np.ndarray:
 def _begin_with(start: Path, network: PixelShapeCNN) -> dict[str, str]:
     """Give a network the weights of another one in a file; what is to be said of it in the header.
 
-    Where the shape-level input joins them in another way, that begins with random weights.
+    Where lines are described or join pixels in another way, the layers that join them begin with random weights.
 
     Raises
     ------
     ValueError
-        As `read_network` does, or if the layout is another one otherwise.
+        As `read_weights` does, or if the layout is another one otherwise.
     """
-    stored = read_network(start).network
-    if stored.sizes != network.sizes or not stored.layout.differs_in_shape_only(network.layout):
+    given, mine = read_weights(start), network.state_dict()
+    fitting = {name for name in given.keys() & mine.keys() if given[name].shape == mine[name].shape}
+    others = (given.keys() | mine.keys()) - fitting
+    if not all(name.startswith("shape_") for name in others):
         raise ValueError(
             f"{start} has another layout than the network to train: name the same --variant, of this version"
         )
-    same = stored.layout == network.layout
-    weights = {name: value for name, value in stored.state_dict().items() if same or not name.startswith("shape_")}
-    network.load_state_dict(weights, strict=same)
+    taken = {name: given[name] for name in fitting if not (others and name.startswith("shape_"))}
+    network.load_state_dict(taken, strict=False)
     return {"started from": hashlib.sha256(start.read_bytes()).hexdigest()}

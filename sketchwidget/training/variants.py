@@ -27,7 +27,7 @@ _PIXELS = replace(COMPACT, shape=0)
 VARIANTS = {
     "PixelShapeCNN": Variant(COMPACT),
     # As the paper joins the lines.
-    "PixelShapeCNN-Coefficients": Variant(replace(COMPACT, left_over=False, found=False, joined=0)),
+    "PixelShapeCNN-Coefficients": Variant(replace(COMPACT, details=0, joined=0)),
     "PixelCNN": Variant(_PIXELS),
     "PixelCNN-Wrinkle": Variant(_PIXELS, Variety(wrinkles=0.0)),
     "ShapeNN": Variant(replace(COMPACT, convolutions="none")),

@@ -148,6 +148,8 @@ def shape_model():
         identity_std=np.ones(2, np.float32),
         expression_mean=np.ones(1, np.float32),
         expression_std=np.full(1, 1e-3, np.float32),
+        detail_mean=np.zeros(3 * len(POINTS), np.float32),
+        detail_axes=np.eye(3 * len(POINTS), 3 * len(POINTS), dtype=np.float32),
     )
 
 
@@ -158,9 +160,14 @@ def test_the_code_of_a_drawing_is_found_from_a_guess(true):
     lines = split_lines(model.decode(wanted)[0])
     strokes = [np.concatenate([lines[SILHOUETTE], lines[SILHOUETTE][:1]]), lines["mouth_upper"], lines["mouth_lower"]]
     code = shape_code(model, POINTS, DrawnLines(strokes, [SILHOUETTE, "mouth_upper", "mouth_lower"]))
-    assert code.shape == (3 + POINTS.size + 1,) and code.dtype == np.float32 and code[-1] == 1
+    assert code.shape == (3 + 3 * len(POINTS) + 1,) and code.dtype == np.float32 and code[-1] == 1
     np.testing.assert_allclose(code[:2], true, atol=0.15)
-    assert np.abs(code[3:-1]).max() < 1  # the lines are the model's: nothing is left but noise
+    off, weight = np.split(code[3:-1], [POINTS.size])  # as this model has details
+    drawn = [*np.flatnonzero(weight)]
+    numbers = split_lines(np.arange(len(POINTS)))
+    assert drawn == sorted(np.concatenate([numbers[name] for name in (SILHOUETTE, "mouth_upper", "mouth_lower")]))
+    there = POINTS + 0.005 * off.reshape(-1, 2) / np.maximum(weight, 1e-9)[:, None]
+    np.testing.assert_allclose(there[drawn], model.decode(wanted)[0][drawn], atol=0.006)
 
 
 def test_a_drawing_of_unknown_strokes_has_the_code_of_none():

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from torch import nn
 
 from sketchwidget.inference.network import IMAGE_SIZE, PAPER, TINY, Layout, PixelShapeCNN
-from sketchwidget.inference.shape_code import POINTS
+from sketchwidget.inference.shape_code import DETAILS
 from sketchwidget.training.variants import VARIANTS
 
 SIZES = (50, 16)
@@ -26,7 +26,7 @@ def small(name):
 @pytest.fixture
 def batch():
     torch.manual_seed(1)
-    return (torch.rand(2, 1, IMAGE_SIZE, IMAGE_SIZE) < 0.05).float(), torch.randn(2, sum(SIZES) + 2 * POINTS + 1)
+    return (torch.rand(2, 1, IMAGE_SIZE, IMAGE_SIZE) < 0.05).float(), torch.randn(2, sum(SIZES) + DETAILS + 1)
 
 
 def linear(layers):
@@ -100,13 +100,13 @@ def test_pixels_are_answered_alone_and_with_the_shape(batch):
 
 
 @pytest.mark.parametrize("name", ["PixelShapeCNN", "PixelShapeCNN-Coefficients", "ShapeNN", "AlexNet"])
-def test_what_coefficients_leave_of_the_points_counts_where_a_layout_takes_it(name, batch):
+def test_details_of_the_points_count_where_a_layout_takes_them(name, batch):
     network, (images, lines) = PixelShapeCNN(*SIZES, small(name)).eval(), batch
     moved = lines.clone()
     moved[:, sum(SIZES) :] += 1
     (*_, (identity, expression)), (*_, (other, otherwise)) = network(images, lines), network(images, moved)
     same = torch.equal(identity, other) and torch.equal(expression, otherwise)
-    assert same == (not network.layout.left_over) == (name in ("AlexNet", "PixelShapeCNN-Coefficients"))
+    assert same == (not network.layout.details) == (name in ("AlexNet", "PixelShapeCNN-Coefficients"))
 
 
 @pytest.mark.parametrize("name", ["PixelShapeCNN", "PixelShapeCNN-Coefficients", "ShapeNN", "AlexNet"])
@@ -117,7 +117,7 @@ def test_whether_points_were_found_counts_where_a_layout_takes_it(name, batch):
     (*_, (identity, _)), (*_, (other, _)) = network(images, lines), network(images, found)
     assert (
         torch.equal(identity, other)
-        == (not network.layout.found)
+        == (not network.layout.details)
         == (name in ("AlexNet", "PixelShapeCNN-Coefficients"))
     )
 
@@ -151,7 +151,6 @@ def test_folding_normalisation_changes_nothing(name, batch):
     [
         ({"convolutions": "dense"}, "residual, alexnet or none; given 'dense'"),
         ({"convolutions": "none", "shape": 0}, "pixels or shape; this layout has neither"),
-        ({"found": True}, "behind what coefficients leave of them, or not at all"),
     ],
 )
 def test_layouts_that_are_none_are_refused(sizes, message):
@@ -187,19 +186,11 @@ stages = st.lists(st.integers(0, 512), min_size=1, max_size=5).map(tuple)
         hidden=sizes,
         branch=sizes,
         shape=sizes,
-        left_over=st.booleans(),
+        details=st.integers(0, 4096),
         joined=st.integers(0, 4096),
         branched=st.booleans(),
     )
 )
 def test_layouts_are_read_as_they_were_kept(layout):
-    layout = replace(layout, found=layout.left_over)
     again = Layout.from_json(layout.to_json())
     assert again == layout and hash(again) == hash(layout)
-
-
-def test_former_files_do_not_say_whether_points_were_found():
-    sizes = json.loads(replace(TINY, left_over=True).to_json())
-    del sizes["found"]
-    layout = Layout.from_json(json.dumps(sizes))
-    assert not layout.found and PixelShapeCNN(*SIZES, layout).described == sum(SIZES) + 2 * POINTS

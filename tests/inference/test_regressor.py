@@ -18,7 +18,7 @@ from sketchwidget.inference.network import TINY, PixelShapeCNN
 from sketchwidget.inference.network_file import save_network
 from sketchwidget.inference.normalise import normalise
 from sketchwidget.inference.regressor import soft_limit
-from sketchwidget.inference.shape_code import COUNTS, ShapeModel
+from sketchwidget.inference.shape_code import COUNTS, DETAILS, ShapeModel
 from sketchwidget.training.standard import standardisation
 
 EAR = np.array([[0.23, 0.44], [0.19, 0.43], [0.18, 0.5], [0.2, 0.57], [0.24, 0.58]])
@@ -212,6 +212,8 @@ def untrained(model, layout=TINY):
         identity_std=np.full(p, 0.1, np.float32),
         expression_mean=random.normal(0, 0.1, q).astype(np.float32),
         expression_std=np.full(q, 0.1, np.float32),
+        detail_mean=random.normal(0, 1, 3 * size // 2).astype(np.float32),
+        detail_axes=random.normal(0, 0.01, (3 * size // 2, DETAILS)).astype(np.float32),
     )
     return PixelShapeCNN(p, q, layout).eval(), shape_model
 

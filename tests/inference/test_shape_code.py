@@ -5,10 +5,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from sketchwidget.inference.shape_code import COUNTS, LINES, ShapeModel, sample, sample_indices, split_lines
+from sketchwidget.inference.shape_code import COUNTS, LINES, ShapeModel, sample, sample_indices, split_lines, weighted
 from sketchwidget.sketch import FEATURES, SILHOUETTE
 
-P, Q, POINTS = 4, 3, 60 + 12 * len(FEATURES)
+P, Q, R, POINTS = 4, 3, 5, 60 + 12 * len(FEATURES)
 seeds = st.integers(0, 2**32 - 1)
 
 
@@ -21,6 +21,8 @@ def random_model(seed):
         identity_std=random.uniform(0.3, 0.6, P).astype(np.float32),
         expression_mean=random.normal(0, 1, Q).astype(np.float32),
         expression_std=random.uniform(0.3, 0.6, Q).astype(np.float32),
+        detail_mean=random.normal(0, 1, 3 * POINTS).astype(np.float32),
+        detail_axes=random.normal(0, 0.01, (3 * POINTS, R)).astype(np.float32),
     )
 
 
@@ -130,24 +132,51 @@ def test_sampled_points_of_a_line_are_its_ends_and_evenly_between(length):
 
 @given(seeds)
 @settings(max_examples=20)
-def test_coefficients_and_what_they_leave_give_the_points(seed):
+def test_a_description_is_coefficients_details_and_that_points_are_known(seed):
     _, points = drawn(seed)
-    points = points + np.random.default_rng(seed).normal(0, 0.003, points.shape)
     seen = np.tile(EVERYTHING, (3, 1))
     seen[:, ::7] = 0
     described = MODEL.describe(points, seen)
-    code, left = described[:, : MODEL.size], described[:, MODEL.size : -1].reshape(points.shape)
-    np.testing.assert_array_equal(code, MODEL.encode(points, seen))
-    assert not left[seen == 0].any()
-    back = MODEL.decode(code) + 0.005 * left
-    np.testing.assert_allclose(back[seen > 0], points[seen > 0], atol=1e-5)
+    assert described.shape == (3, P + Q + R + 1) and described.dtype == np.float32
+    np.testing.assert_array_equal(described[:, : MODEL.size], MODEL.encode(points, seen))
+    np.testing.assert_array_equal(described[:, MODEL.size : -1], MODEL.details(points, seen))
+    assert not described[:, -1].any()
 
 
-def test_a_point_far_off_counts_no_more_than_one_that_strays_a_little_more():
+def test_details_are_linear_in_the_points_and_in_what_is_seen():
+    points = MODEL.mean.reshape(1, -1, 2) + np.zeros((3, 1, 1), np.float32)
+    points[1, 4] += (0.005, -0.01)  # one and two units of the drawing noise
+    seen = np.ones((3, POINTS))
+    seen[2, 9] = 0.25
+    details = MODEL.details(points, seen)
+    axes = MODEL.detail_axes
+    np.testing.assert_allclose(details[1] - details[0], axes[8] - 2 * axes[9], atol=1e-4)
+    np.testing.assert_allclose(details[2] - details[0], -0.75 * axes[2 * POINTS + 9], atol=1e-4)
+
+
+def test_what_is_not_seen_tells_nothing_but_that():
     _, points = drawn(0)
-    points[0, 5] += 3.0
-    left = MODEL.describe(points, np.tile(EVERYTHING, (3, 1)))[:, MODEL.size : -1]
-    assert np.abs(left).max() == 4.0
+    seen = np.tile(EVERYTHING, (3, 1))
+    seen[:, 5:20] = 0
+    elsewhere = points.copy()
+    elsewhere[:, 5:20] = 7.0
+    np.testing.assert_array_equal(MODEL.details(points, seen), MODEL.details(elsewhere, seen))
+
+
+def test_a_point_far_off_counts_no_more_than_eight_standard_deviations():
+    _, points = drawn(0)
+    points[0, 5] += 100.0
+    assert np.abs(MODEL.details(points, np.tile(EVERYTHING, (3, 1)))[0]).max() == 8.0
+
+
+def test_points_count_by_how_much_they_are_seen():
+    points = MODEL.mean.reshape(1, -1, 2).copy()
+    points[0, 3] += (0.01, 0.0)
+    for share in (0.0, 0.5, 1.0):
+        seen = np.full((1, POINTS), share)
+        off = weighted(MODEL.mean, points, seen)[0]
+        assert off[6] == pytest.approx(2 * share, abs=1e-4) and not np.delete(off[: 2 * POINTS], 6).any()
+        np.testing.assert_array_equal(off[2 * POINTS :], share)
 
 
 @given(seeds)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from torch.utils.data import DataLoader
 
-from sketchwidget.inference.shape_code import POINTS
+from sketchwidget.inference.shape_code import DETAILS
 from sketchwidget.sketch import SILHOUETTE
 from sketchwidget.sketch.hand import Hand
 from sketchwidget.training.examples import Examples, Variety, noisy_view
@@ -51,7 +51,7 @@ def rows_of(codes, table):
 def test_a_batch_has_images_shapes_codes_and_poses(database, pipeline, make):
     images, shapes, codes, poses, people = make().numbered(0)
     assert images.shape == (3, 1, 256, 256) and images.dtype == bool
-    assert shapes.shape == (3, pipeline.shape_model.size + 2 * POINTS + 1) and shapes.dtype == np.float32
+    assert shapes.shape == (3, pipeline.shape_model.size + DETAILS + 1) and shapes.dtype == np.float32
     assert codes.shape == (3, len(database.model.bilinear.core)) and codes.dtype == np.float32
     assert poses.shape == (3, 3) and poses.dtype == np.float32
     assert people.shape == (3,) and (people >= 0).all()

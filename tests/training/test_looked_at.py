@@ -5,14 +5,18 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import torch
+from safetensors import safe_open
+from safetensors.torch import save_file
 
 from sketchwidget.inference.network import TINY, PixelShapeCNN
 from sketchwidget.inference.network_file import read_network
+from sketchwidget.inference.shape_code import DETAILS
 from sketchwidget.training.examples import Variety
 from sketchwidget.training.looked_at import Again, LookedAt
 from sketchwidget.training.network import Schedule
 
-LAYOUT = replace(TINY, left_over=True, joined=16)
+LAYOUT = replace(TINY, details=DETAILS, joined=16)
+NOBODY_TWICE = Variety(wrinkles=0.0, of_model=0.0, blended=1.0)
 
 
 @pytest.fixture(scope="module")
@@ -23,7 +27,7 @@ def network(database):
 
 @pytest.fixture(scope="module")
 def examples(pipeline):
-    return pipeline.examples(Variety(wrinkles=0.0), 4)
+    return pipeline.examples(NOBODY_TWICE, 4)
 
 
 @pytest.fixture(scope="module")
@@ -55,7 +59,7 @@ def test_they_are_kept_in_a_file(looked_at, tmp_path):
 
 @pytest.fixture(scope="module")
 def lines(pipeline):
-    return LookedAt.by(None, pipeline.examples(Variety(wrinkles=0.0), 4, pixels=False), 5, workers=0)
+    return LookedAt.by(None, pipeline.examples(NOBODY_TWICE, 4, pixels=False), 5, workers=0)
 
 
 def test_lines_alone_are_those_of_the_same_drawings(lines, looked_at):
@@ -104,6 +108,22 @@ def test_a_network_may_begin_with_one_that_joins_lines_in_another_way(database, 
         pipeline.train_network(
             after, "a test", none, replace(LAYOUT, hidden=32), Variety(), workers=0, start=before, looked_at=5
         )
+
+
+def test_a_network_may_begin_with_one_of_the_former_format(database, pipeline, tmp_path):
+    before, former, after = (tmp_path / f"{name}.safetensors" for name in ("before", "former", "after"))
+    schedule = Schedule(steps=2, batch=4, checkpoint=2)
+    pipeline.train_network(before, "a test", schedule, TINY, Variety(wrinkles=0.0), workers=0)
+    with safe_open(before, "pt") as file:
+        tensors = {name: file.get_tensor(name) for name in file.keys() if ".detail_" not in name}  # noqa: SIM118
+        save_file(tensors, former, file.metadata() | {"format": "sketchwidget network 2"})
+    none = replace(schedule, steps=0)
+    pipeline.train_network(after, "a test", none, LAYOUT, Variety(wrinkles=0.0), workers=0, start=former, looked_at=5)
+    learnt = read_network(after).network.state_dict()
+    begun = [name for name in tensors if name in learnt and not name.startswith("shape_")]
+    assert begun and all(torch.equal(learnt[name], tensors[name].to(learnt[name].dtype)) for name in begun)
+    with pytest.raises(ValueError, match="its format is 'sketchwidget network 2'"):
+        read_network(former)
 
 
 def test_a_network_that_joins_nothing_cannot_end_so(pipeline, tmp_path):
