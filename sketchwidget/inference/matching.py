@@ -223,7 +223,7 @@ class _Ink:
 def shape_code(model: ShapeModel, points: np.ndarray, drawn: DrawnLines) -> np.ndarray:
     """A drawing's lines as `ShapeModel.describe` has them (p + q + r + 1,), found from a guess of where they are.
 
-    Coefficients go no further than those of heads do.
+    Coefficients go no further than those of heads do, and details count by how much is true of them.
 
     Parameters
     ----------
@@ -239,8 +239,8 @@ def shape_code(model: ShapeModel, points: np.ndarray, drawn: DrawnLines) -> np.n
     for _ in range(_ROUNDS - 1):
         found, weight = ordered.match(model.decode(code)[0], settled=True)
         code = model.encode(found[None], weight[None], near=code)
-    details = model.details(found[None], weight[None])
-    return np.concatenate([soft_limit(code, *_CODE_LIMIT)[0], details[0], [1.0]], dtype=np.float32)
+    details = model.detail_trust * model.details(found[None], weight[None])[0]
+    return np.concatenate([soft_limit(code, *_CODE_LIMIT)[0], details, [1.0]], dtype=np.float32)
 
 
 def _middle(points: np.ndarray) -> np.ndarray:

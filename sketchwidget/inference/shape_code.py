@@ -70,6 +70,8 @@ class ShapeModel:
         Of `weighted` points over drawings.
     detail_axes : (3 n, r) array
         Directions in which these differ, each over its standard deviation.
+    detail_trust : (r,) array
+        Of each detail, how much is true of it where points were found, from 0 to 1.
     """
 
     mean: np.ndarray
@@ -80,6 +82,7 @@ class ShapeModel:
     expression_std: np.ndarray
     detail_mean: np.ndarray
     detail_axes: np.ndarray
+    detail_trust: np.ndarray
 
     @property
     def size(self) -> int:

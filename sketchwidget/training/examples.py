@@ -219,18 +219,10 @@ class Examples(Batches):
         points, seen = np.stack([one.points for one in drawn]), np.stack([one.seen for one in drawn])
         shapes = self._shape_model.describe(points, seen)
         for row in np.flatnonzero(random.random(len(drawn)) < self.variety.found):
-            shapes[row] = self._found(points[row], seen[row], shapes[row], random)
+            code = shapes[row, : self._shape_model.size]
+            shapes[row] = found_shape(self._shape_model, code, points[row], seen[row], random)
         images = np.stack([one.image for one in drawn])[:, None]
         return Batch(images, shapes, np.stack(codes), np.stack(poses), np.array(people))
-
-    def _found(
-        self, points: np.ndarray, seen: np.ndarray, shape: np.ndarray, random: np.random.Generator
-    ) -> np.ndarray:
-        """What a Studio makes of the seen ones of points (n, 2) whose true description is `shape`."""
-        model = self._shape_model
-        missed = shape[: model.size] + random.normal(0.0, _MISSED, model.size).astype(np.float32)
-        ink = DrawnLines.of_points(points, seen).without_ears()
-        return shape_code(model, model.decode(missed[None])[0], ink)
 
     def example(self, random: np.random.Generator) -> tuple[Drawn, np.ndarray, np.ndarray, int]:
         """One drawing, the code (k,) and expression weights (q,) of its face, and whose it is."""
@@ -353,6 +345,15 @@ class Examples(Batches):
             row = int(self._kept[random.integers(len(self._kept))])
             if frequency.max() * random.random() < frequency[row % len(self._poses)]:
                 return row
+
+
+def found_shape(
+    model: ShapeModel, code: np.ndarray, points: np.ndarray, seen: np.ndarray, random: np.random.Generator
+) -> np.ndarray:
+    """What a Studio makes of the seen ones (n,) of points (n, 2), whose code it knows but for a little."""
+    missed = code + random.normal(0.0, _MISSED, code.shape).astype(np.float32)
+    ink = DrawnLines.of_points(points, seen).without_ears()
+    return shape_code(model, model.decode(missed[None])[0], ink)
 
 
 def noisy_view(degrees: float, random: np.random.Generator) -> View:

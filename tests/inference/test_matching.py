@@ -150,6 +150,7 @@ def shape_model():
         expression_std=np.full(1, 1e-3, np.float32),
         detail_mean=np.zeros(3 * len(POINTS), np.float32),
         detail_axes=np.eye(3 * len(POINTS), 3 * len(POINTS), dtype=np.float32),
+        detail_trust=np.ones(3 * len(POINTS), np.float32),
     )
 
 

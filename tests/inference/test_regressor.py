@@ -214,6 +214,7 @@ def untrained(model, layout=TINY):
         expression_std=np.full(q, 0.1, np.float32),
         detail_mean=random.normal(0, 1, 3 * size // 2).astype(np.float32),
         detail_axes=random.normal(0, 0.01, (3 * size // 2, DETAILS)).astype(np.float32),
+        detail_trust=np.ones(DETAILS, np.float32),
     )
     return PixelShapeCNN(p, q, layout).eval(), shape_model
 

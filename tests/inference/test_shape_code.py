@@ -23,6 +23,7 @@ def random_model(seed):
         expression_std=random.uniform(0.3, 0.6, Q).astype(np.float32),
         detail_mean=random.normal(0, 1, 3 * POINTS).astype(np.float32),
         detail_axes=random.normal(0, 0.01, (3 * POINTS, R)).astype(np.float32),
+        detail_trust=np.ones(R, np.float32),
     )
 
 
