@@ -89,10 +89,10 @@ class DrawnLines:
     def without_ears(self) -> DrawnLines:
         """All of them but the ears."""
         others = copy.copy(self)
-        strokes, ink = (
-            {of: value for of, value in kept.items() if not of.endswith("ear")} for kept in (self._strokes, self._ink)
+        others._keep(
+            {name: strokes for name, strokes in self._strokes.items() if not name.endswith("ear")},
+            {group: ink for group, ink in self._ink.items() if not group.endswith("ear")},
         )
-        others._keep(strokes, ink)
         return others
 
     def match(self, points: np.ndarray, settled: bool = False) -> tuple[np.ndarray, np.ndarray]:

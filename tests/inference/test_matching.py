@@ -1,5 +1,7 @@
 """Finding which drawn points lie on which line of a face."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -169,6 +171,15 @@ def test_the_code_of_a_drawing_is_found_from_a_guess(true):
     assert drawn == sorted(np.concatenate([numbers[name] for name in (SILHOUETTE, "mouth_upper", "mouth_lower")]))
     there = POINTS + 0.005 * off.reshape(-1, 2) / np.maximum(weight, 1e-9)[:, None]
     np.testing.assert_allclose(there[drawn], model.decode(wanted)[0][drawn], atol=0.006)
+
+
+def test_found_details_count_by_how_much_is_true_of_them():
+    model, drawn = shape_model(), DrawnLines.of_points(POINTS + 0.002, np.ones(len(POINTS), dtype=bool))
+    share = np.linspace(0.0, 1.0, 3 * len(POINTS), dtype=np.float32)
+    whole, part = (shape_code(one, POINTS, drawn) for one in (model, replace(model, detail_trust=share)))
+    assert np.abs(whole[3:-1]).max() > 0.3
+    np.testing.assert_allclose(part[3:-1], share * whole[3:-1], atol=1e-6)
+    np.testing.assert_array_equal(part[:3], whole[:3])
 
 
 def test_a_drawing_of_unknown_strokes_has_the_code_of_none():

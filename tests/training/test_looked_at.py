@@ -111,7 +111,7 @@ def test_a_network_may_begin_with_one_that_joins_lines_in_another_way(database, 
 
 
 def test_a_network_may_begin_with_one_of_the_former_format(database, pipeline, tmp_path):
-    before, former, after = (tmp_path / f"{name}.safetensors" for name in ("before", "former", "after"))
+    before, former, after = (tmp_path / f"{name}.safetensors" for name in ("this-format", "former", "begun"))
     schedule = Schedule(steps=2, batch=4, checkpoint=2)
     pipeline.train_network(before, "a test", schedule, TINY, Variety(wrinkles=0.0), workers=0)
     with safe_open(before, "pt") as file:

@@ -5,9 +5,11 @@ import pytest
 
 from sketchwidget.geometry import View
 from sketchwidget.inference.framing import OUTLINE_SIZE
-from sketchwidget.inference.shape_code import sample
+from sketchwidget.inference.shape_code import DETAILS, sample
 from sketchwidget.sketch import SILHOUETTE
 from sketchwidget.training import shape_model
+from sketchwidget.training.examples import Variety
+from sketchwidget.training.manners import Manner
 from sketchwidget.training.shape_model import build_shape_model, normalised
 
 
@@ -63,3 +65,19 @@ def test_of_too_many_people_some_are_chosen_from_all_over(pipeline, monkeypatch)
     model = build_shape_model(pipeline.table, np.arange(11), (50, 3))
     chosen = build_shape_model(pipeline.table, np.array([0, 5, 10]), (50, 3))
     np.testing.assert_array_equal(model.core, chosen.core)
+
+
+def test_details_have_unit_spread_over_drawings_and_are_trusted_by_shares(pipeline):
+    model = build_shape_model(pipeline.table, np.arange(12), (12, 3))
+    variety = Variety(manners={Manner.EXACT: 0.4, Manner.AUGMENTED: 0.6}, of_model=0.0, mixed=0.0, blended=0.0)
+    examples, random = pipeline.examples(variety, 1, pixels=False), np.random.default_rng(0)
+    drawn = [examples.example(random)[0] for _ in range(400)]
+    details = model.details(np.stack([one.points for one in drawn]), np.stack([one.seen for one in drawn]))
+    told = np.abs(model.detail_axes).max(axis=0) > 0
+    assert details.shape == (400, DETAILS) and not details[:, ~told].any()
+    # Of few people the finest directions, which come first, are those of single drawings.
+    coarse = details[:, told][:, told.sum() // 2 :]
+    assert 0.7 < np.median(coarse.std(axis=0)) < 1.4
+    assert model.detail_trust.shape == (DETAILS,) and not model.detail_trust[~told].any()
+    assert ((model.detail_trust >= 0) & (model.detail_trust <= 1)).all() and 0.05 < model.detail_trust[told].mean() < 1
+    np.testing.assert_array_equal(model.detail_axes, model.detail_axes.astype(np.float16))
