@@ -56,10 +56,6 @@ class FaceTable:
         """This table and, behind it, other people's points (i, e, p, 3) and codes (i, e, k)."""
         return replace(self, points=np.concatenate([self.points, points]), codes=np.concatenate([self.codes, codes]))
 
-    def wrinkles_of(self, person: int, expression: int) -> np.ndarray | None:
-        """The wrinkles (w, m, 2) of a face; None where nothing is known of them."""
-        return self.wrinkles[person, expression] if person < len(self.wrinkles) else None
-
     @cached_property
     def _ends(self) -> np.ndarray:
         return np.cumsum(list(self.lengths.values()))[:-1]

@@ -39,6 +39,7 @@ from .team import Team
 SEED = 7
 _AGAIN, _LINES_ALONE = 4, 6  # times that drawings looked at are seen, and how many lines alone there are for each
 _SEEN, _ALONE = 32, 224  # drawings looked at and lines alone, in a batch
+_BEFORE = 0.25  # share of the further people that other layers see than those in which lines join pixels
 _FIRST_STEPS = (5, 8)  # of 18: 500,000 and 800,000 of the paper's 1,800,000 iterations
 # Drawings that a training is followed by: the paper's augmentation, of faces as they are.
 _TEST = Variety(manners={Manner.AUGMENTED: 1.0}, of_model=0.0, mixed=0.0, blended=0.0)
@@ -88,8 +89,7 @@ class Pipeline:
         """
         database = self.database
         left_out, between = self._left_out(split), database.interpolated
-        known = len(database.model.bilinear.identities) * len(database.expressions)
-        if split == "random" and self._left_out("identity").min() >= known:
+        if split == "random" and self._left_out("identity").min() >= self._of_model:
             tenth = np.random.default_rng(SEED).permutation(len(between))[: len(between) // 10]
             left_out = np.concatenate([left_out, len(database) + tenth])
         chosen = []
@@ -109,8 +109,13 @@ class Pipeline:
         left_out = database.split(split, SEED)[1]
         if split == "random":
             left_out = np.setdiff1d(left_out, database.split("identity", SEED)[1])
-            left_out = left_out[left_out < len(database.model.bilinear.identities) * len(database.expressions)]
+            left_out = left_out[left_out < self._of_model]
         return left_out
+
+    @property
+    def _of_model(self) -> int:
+        """How many faces of the database the model is made of; they are the first."""
+        return len(self.database.model.bilinear.identities) * len(self.database.expressions)
 
     @cached_property
     def shape_model(self) -> ShapeModel:
@@ -135,11 +140,9 @@ class Pipeline:
         reshaped: bool = True,
         pixels: bool = True,
     ) -> Examples:
-        """Examples without end, of the faces to train on or of others of the database, given by their numbers."""
+        """Examples without end, of all faces to train on, or of others of the table, given by their numbers."""
         model = self.database.model
-        if of is None:  # all of the further people, which follow those of the database in the table
-            rows, expressions = self.table.codes.shape[:2]
-            of = np.concatenate([self.kept, np.arange(len(self.database), rows * expressions)])
+        of = np.concatenate([self.kept, self._beyond]) if of is None else of
         return Examples(
             self.table,
             of,
@@ -154,6 +157,18 @@ class Pipeline:
             people=people,
             pixels=pixels,
         )
+
+    @property
+    def _beyond(self) -> np.ndarray:
+        """Numbers of the further people's faces: they follow those of the database in the table."""
+        rows, expressions = self.table.codes.shape[:2]
+        return np.arange(len(self.database), rows * expressions)
+
+    @property
+    def _strangers(self) -> np.ndarray:
+        """Numbers of those whom only the layers see in which lines join pixels."""
+        faces = len(self.database) // self.database.identities
+        return self._beyond[faces * round(_BEFORE * len(self.further or ())) :]
 
     @property
     def _poses(self) -> np.ndarray:
@@ -182,7 +197,9 @@ class Pipeline:
 
         At last, of `looked_at` batches of drawings the layers in which lines join pixels learn again: what is
         before them stays, and they see each of these drawings `_AGAIN` times, and with `_SEEN` of them at a time
-        `_ALONE` of the lines alone of `_LINES_ALONE` times as many others.
+        `_ALONE` of the lines alone of `_LINES_ALONE` times as many others. What features tell of people whom they were
+        learnt from is more than they will of others: where there are further people, those drawings are of the people
+        of the model and of further ones whom nothing before has seen, three quarters of them.
 
         Raises
         ------
@@ -199,15 +216,16 @@ class Pipeline:
         origin = {} if start is None else _begin_with(start, network)
         folder = self.work / f"{out.stem}-{model.fingerprint[:8]}"
         with team.leader_first():
-            examples = self.examples(variety, schedule.batch, people)
+            strangers = self._strangers if looked_at else self._beyond[:0]
+            before = np.setdiff1d(np.concatenate([self.kept, self._beyond]), strangers)
+            examples = self.examples(variety, schedule.batch, people, of=before)
             unseen = self.examples(_TEST, 8 * schedule.batch, of=self.database.split("identity", SEED)[1])
         beyond, by_people = (0 if some is None else len(some) for some in (self.further, people))
         about = f"{self.database.sum} {beyond} further people {variety} {by_people} drawings {origin} "
         if in_three_steps:
             classes, weights = (schedule.steps * part // 18 for part in _FIRST_STEPS)
-            known = self.examples(
-                replace(variety, of_model=0.0, mixed=0.0, blended=0.0), schedule.batch, reshaped=False
-            )
+            plain = replace(variety, of_model=0.0, mixed=0.0, blended=0.0)
+            known = self.examples(plain, schedule.batch, of=before, reshaped=False)
             task: Task = Classes(network, self._poses, len(self.table.codes))
             network = train(task, known, replace(schedule, steps=classes), folder / "classes", workers, about)
             task = Weights(network, standardised_identities(self.table, model))
@@ -220,9 +238,13 @@ class Pipeline:
         if looked_at:
             # Each of a team looks at drawings of its own.
             about += f"{network.layout.to_json()} {schedule}, then {looked_at} batches of {team.size} {_AGAIN} times "
-            about += f"and {_LINES_ALONE} times as many lines alone, {_SEEN} and {_ALONE} at a time "
+            about += f"and {_LINES_ALONE} times as many lines alone, {_SEEN} and {_ALONE} at a time, "
+            about += f"of {len(strangers)} faces of others "
             share = max(1, looked_at // team.size)
             digest = hashlib.sha256(about.encode()).hexdigest()[:8]
+            if len(strangers):
+                known = self.kept[self.kept < self._of_model]
+                examples = self.examples(variety, schedule.batch, people, of=np.concatenate([known, strangers]))
             examples.start, examples.stride = schedule.steps * team.size + team.rank, team.size
             alone = self.examples(variety, schedule.batch, pixels=False)
             alone.start, alone.stride = examples.start + share * team.size, team.size

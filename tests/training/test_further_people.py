@@ -1,11 +1,19 @@
 """People beyond those of a database."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from sketchwidget.database import build as building
-from sketchwidget.training.examples import Variety
+from sketchwidget.inference.network import TINY
+from sketchwidget.inference.shape_code import DETAILS
+from sketchwidget.training import pipeline as training_pipeline
+from sketchwidget.training.examples import Examples, Variety
 from sketchwidget.training.further_people import Further
+from sketchwidget.training.looked_at import LookedAt
+from sketchwidget.training.manners import Manner
+from sketchwidget.training.network import Schedule
 from sketchwidget.training.pipeline import Pipeline
 
 
@@ -66,3 +74,54 @@ def test_other_people_than_the_database_s_source_has_are_told_apart(database, th
 def test_nobody_is_no_further_people(three_expressions, count):
     with pytest.raises(ValueError, match=f"1 or more; given {count}"):
         Further(three_expressions, count)
+
+
+def _exact(pipeline, of, wrinkles):
+    """Two batches of exact drawings of some faces as they are."""
+    plain = Variety({Manner.EXACT: 1.0}, wrinkles=wrinkles, of_model=0.0, mixed=0.0, blended=0.0, found=0.0)
+    examples = pipeline.examples(plain, 12, of=np.array(of))
+    return [examples.numbered(number) for number in (0, 1)]
+
+
+def test_they_have_wrinkles_of_somebody_in_the_same_expression(with_further):
+    one, other, smile = 3 * 13 + 1, 3 * 2 + 1, 3 * 2 + 2  # of a further person; of one of the database
+    (alone, _), (plain, _) = (_exact(with_further, [one], share) for share in (1.0, 0.0))
+    np.testing.assert_array_equal(alone.images, plain.images)  # nobody to have them from
+    bare = plain.images[0]
+    for donors, wrinkled in (([other], True), ([smile], False)):
+        for batch in _exact(with_further, [*donors, one], 1.0):
+            images = batch.images[batch.people == 13]
+            assert len(images) and all((image & bare).sum() >= bare.sum() for image in images)
+            assert all((image.sum() > bare.sum()) == wrinkled for image in images)
+
+
+def test_drawings_looked_at_are_of_the_model_s_people_and_of_further_ones_whom_nothing_before_has_seen(
+    with_further, tmp_path, monkeypatch
+):
+    seen = {}
+    by, train = LookedAt.by, training_pipeline.train
+
+    def looked_at(network, examples, *rest):
+        seen["lines" if network is None else "drawings"] = set(examples._kept.tolist())
+        return by(network, examples, *rest)
+
+    def trained(task, examples, *rest):
+        if isinstance(examples, Examples):
+            seen["before"] = set(examples._kept.tolist())
+        return train(task, examples, *rest)
+
+    monkeypatch.setattr(LookedAt, "by", looked_at)
+    monkeypatch.setattr(training_pipeline, "train", trained)
+    monkeypatch.setattr(training_pipeline, "_BEFORE", 0.5)
+    layout = replace(TINY, details=DETAILS, joined=16)
+    with_further.train_network(
+        tmp_path / "a.safetensors", "a test", Schedule(steps=2, batch=4, checkpoint=2), layout, workers=0, looked_at=2
+    )
+    kept, first, second = set(with_further.kept.tolist()), set(range(36, 48)), set(range(48, 60))
+    assert seen["before"] == kept | first
+    assert seen["drawings"] == {face for face in kept if face < 24} | second
+    assert seen["lines"] == kept | first | second
+    with_further.train_network(
+        tmp_path / "b.safetensors", "a test", Schedule(steps=2, batch=4, checkpoint=2), layout, workers=0
+    )
+    assert seen["before"] == kept | first | second
