@@ -7,8 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.sparse import coo_matrix
-from scipy.sparse.csgraph import connected_components
+from scipy.cluster.hierarchy import DisjointSet
 from scipy.spatial import KDTree
 
 _PARTNERS = 12  # nearest ends that an end may meet, itself among them: in dense hatching there are thousands
@@ -93,9 +92,8 @@ def closed_figures(strokes: Mapping[int, Extent], reach: float) -> list[list[int
         meets = np.repeat(closed, 2)
         meets[meetings] = True
         whole = kept & meets.reshape(-1, 2).all(axis=1)
-    if not kept.any():
-        return []
-    graph = coo_matrix((np.ones(len(meetings)), (meetings // 2).T), shape=(len(strokes), len(strokes)))
-    label = connected_components(graph, directed=False)[1]
-    indices = np.array(list(strokes))
-    return [indices[kept & (label == figure)].tolist() for figure in np.unique(label[kept])]
+    indices = list(strokes)
+    figures = DisjointSet([indices[stroke] for stroke in np.flatnonzero(kept)])
+    for one, other in (meetings // 2).tolist():
+        figures.merge(indices[one], indices[other])
+    return [sorted(figure) for figure in figures.subsets()]
