@@ -86,6 +86,11 @@ class DrawnLines:
             names += [name] * len(runs)
         return cls(strokes, names)
 
+    @property
+    def show_ears(self) -> bool:
+        """Whether there are any ears."""
+        return any(group.endswith("ear") for group in self._ink)
+
     def without_ears(self) -> DrawnLines:
         """All of them but the ears."""
         others = copy.copy(self)

@@ -27,15 +27,17 @@ class Normalised:
         Whereabouts of each stroke; all "inside" where there is no outline.
     face : (256, 256) bool array
         The ink inside the outline and the outline itself.
-    ears : (256, 256) bool array
-        The ears beside it.
     """
 
     outline: Outline | None
     strokes: list[np.ndarray]
     places: list[str]
     face: np.ndarray
-    ears: np.ndarray
+
+    @property
+    def ears(self) -> np.ndarray:
+        """The ears beside the outline, (256, 256) bool."""
+        return _drawn(self.strokes, self.places, "ear")
 
 
 def normalise(strokes: Sequence[np.ndarray]) -> Normalised:
@@ -52,8 +54,8 @@ def normalise(strokes: Sequence[np.ndarray]) -> Normalised:
     else:
         frame, places = Frame.of_outline(outline.points), whereabouts(strokes, outline)
     framed = [frame(stroke) for stroke in strokes]
-    face, ears = (
-        rasterise([stroke for stroke, place in zip(framed, places, strict=True) if place == wanted])
-        for wanted in ("inside", "ear")
-    )
-    return Normalised(outline, framed, places, face, ears)
+    return Normalised(outline, framed, places, _drawn(framed, places, "inside"))
+
+
+def _drawn(strokes: list[np.ndarray], places: list[str], wanted: str) -> np.ndarray:
+    return rasterise([stroke for stroke, place in zip(strokes, places, strict=True) if place == wanted])

@@ -181,44 +181,46 @@ class FaceRegressor:
         lines: np.ndarray,
         drawn: DrawnLines,
     ) -> tuple[np.ndarray, np.ndarray]:
-        """Weights again, now that strokes have names, from those of the pixels alone; ears keep what they changed.
+        """Weights again, now that strokes have names, from those of the pixels alone.
 
         The lines of the head (n, 2) and the drawn ones are in the frame of the head's outline: a drawn one may be open.
         """
-        drawn = drawn.without_ears()
+        face = drawn.without_ears()
         if self.shape_model is not None:
-            joined = self._weights(features, shape_code(self.shape_model, lines, drawn))
+            joined = self._weights(features, shape_code(self.shape_model, lines, face))
             identity, expression = (
                 BY_PIXELS * alone + (1 - BY_PIXELS) * both
                 for alone, both in zip((identity, expression), joined, strict=True)
             )
         if self._refines:
-            identity, expression = self._limited(*self._lines(identity, expression, drawn.match))
+            identity, expression = self._limited(*self._lines(identity, expression, face.match))
+            if drawn.show_ears:
+                identity = self._with_ears(identity, expression, drawn)
         return identity, expression
 
+    def _with_ears(self, identity: np.ndarray, expression: np.ndarray, drawn: DrawnLines) -> np.ndarray:
+        """Identity weights nearer to drawn ears, as far as they leave the landmarks where they are but for 1.5 mm."""
+        moved, _ = self._limited(*self._lines(identity, expression, drawn.match))
+        # Landmarks are linear in the identity, so that a share of the change moves them by that share.
+        change = moved - identity
+        moves = (self._landmarks @ (self.model.bilinear.core @ expression @ change)).reshape(-1, 3)
+        farthest = float(np.linalg.norm(moves, axis=1).max())
+        return identity + min(1.0, _MOVED_BY_EARS / max(farthest, 1e-9)) * change
+
     def _features(self, seen: Normalised) -> list[torch.Tensor] | None:
-        """What the branches make of a drawing, without its ears and, if it has any, with them."""
+        """What the branches make of a drawing without its ears."""
         if self._network.convolutions is None:
             raise ValueError("this network sees lines only, and a drawing's lines are found by one that sees pixels")
         if not seen.face.any():
             return None
-        images = np.stack([seen.face, seen.face | seen.ears] if seen.ears.any() else [seen.face])
-        pixels = torch.from_numpy(images.view(np.uint8))  # six times as fast to convert as bools
+        pixels = torch.from_numpy(seen.face.view(np.uint8))  # six times as fast to convert as bools
         with torch.inference_mode():
-            return self._network.features(pixels[:, None].to(torch.bfloat16))
+            return self._network.features(pixels[None, None].to(torch.bfloat16))
 
     def _weights(self, features: list[torch.Tensor], code: np.ndarray | None = None) -> tuple[np.ndarray, np.ndarray]:
-        """Weights of a drawing whose ears may change the identity, but its landmarks only by 1.5 mm."""
-        identities, expressions = self._answers(
-            features, code if code is None else np.tile(code, (len(features[0]), 1))
-        )
-        if len(identities) == 1:
-            return identities[0], expressions[0]
-        # Landmarks are linear in the identity, so that a share of the change moves them by that share.
-        change = identities[1] - identities[0]
-        moves = (self._landmarks @ (self.model.bilinear.core @ expressions[0] @ change)).reshape(-1, 3)
-        farthest = float(np.linalg.norm(moves, axis=1).max())
-        return identities[0] + min(1.0, _MOVED_BY_EARS / max(farthest, 1e-9)) * change, expressions[0]
+        """Weights of one drawing."""
+        identities, expressions = self._answers(features, None if code is None else code[None])
+        return identities[0], expressions[0]
 
     def weights(self, images: np.ndarray, codes: np.ndarray | None = None) -> tuple[np.ndarray, np.ndarray]:
         """Identity and expression weights of normalised sketches.

@@ -55,6 +55,15 @@ def test_ears_and_hair_do_not_shift_the_rest(regressor, drawing):
         assert np.linalg.norm(other.landmarks - face.landmarks, axis=1).max() < 2.0
 
 
+def test_broad_ears_are_broad_on_the_head(regressor, drawing):
+    def breadth(factor):
+        ear = EAR.max(axis=0) + [factor, 1.0] * (EAR - EAR.max(axis=0))
+        face = regressor.predict(Sketch.from_strokes([*drawing, ear, [1, 0] + ear * [-1, 1]]))
+        return np.ptp(face.curve("right_ear")[:, 0])
+
+    assert breadth(0.5) < breadth(1.0) - 0.2 < breadth(1.5) - 0.5
+
+
 def test_some_of_the_lines_already_give_a_sensible_face(regressor, drawing):
     for count in (1, 2, 3):
         face = regressor.predict(Sketch.from_strokes(drawing[:count]))
