@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from sketchwidget import FaceModel
 from sketchwidget.face.drawing import outline
 from sketchwidget.geometry import View
-from sketchwidget.inference.matching import GROUPS, DrawnLines, OrderedLines, shape_code
+from sketchwidget.inference.matching import GROUPS, PLACES, DrawnLines, OrderedLines, shape_code
 from sketchwidget.inference.shape_code import COUNTS, ShapeModel, sample, split_lines
 from sketchwidget.sketch import FEATURES, SILHOUETTE, WRINKLE
 
@@ -255,3 +255,25 @@ def test_loops_of_which_nobody_knows_the_points_are_matched_to_the_nearest(names
         np.testing.assert_array_equal(of(name, drawn), of(name, nearest))
         np.testing.assert_array_equal(of(name, along), of(name, weight))
         assert of(name, along).sum() > 6
+
+
+@given(
+    names=st.sets(st.sampled_from(FEATURES), min_size=1),
+    by=st.tuples(st.floats(-0.1, 0.1), st.floats(-0.1, 0.1)),
+    size=st.floats(0.2, 0.4) | st.floats(0.6, 1.5),
+    settled=st.booleans(),
+)
+def test_a_feature_is_moved_to_where_the_middle_of_its_strokes_is(names, by, size, settled):
+    strokes = [LINES[name].mean(axis=0) + size * (LINES[name] - LINES[name].mean(axis=0)) + by for name in names]
+    beside, marked = DrawnLines(strokes, list(names)).beside(POINTS, settled)
+    for group, at in PLACES.items():
+        ink = [stroke for stroke, name in zip(strokes, names, strict=True) if GROUPS[name] == group]
+        moved = "eye" in group if settled else any(part in group for part in ("brow", "eye", "mouth", "ear"))
+        shift, dot = np.zeros(2), False
+        if ink:
+            low, high = np.concatenate(ink).min(axis=0), np.concatenate(ink).max(axis=0)
+            own_low, own_high = POINTS[at].min(axis=0), POINTS[at].max(axis=0)
+            shift = moved * (low + high - own_low - own_high) / 2
+            dot = "eye" in group and (high - low).max() < 0.5 * (own_high - own_low).max()
+        np.testing.assert_allclose(beside[at], POINTS[at] + shift, atol=2e-3)  # strokes are resampled
+        assert (marked[at] == dot).all()
