@@ -37,8 +37,8 @@ from .tasks import Classes, Faces, Joining, Task, Weights, standardised_identiti
 from .team import Team
 
 SEED = 7
-_AGAIN, _LINES_ALONE = 4, 6  # times that drawings looked at are seen, and how many lines alone there are for each
-_SEEN, _ALONE = 32, 224  # drawings looked at and lines alone, in a batch
+_AGAIN, _LINES_ALONE = 5, 6  # times that drawings looked at are seen, and how many lines alone there are for each
+_SEEN, _ALONE = 48, 208  # drawings looked at and lines alone, in a batch
 _BEFORE = 0.25  # share of the further people that other layers see than those in which lines join pixels
 _FIRST_STEPS = (5, 8)  # of 18: 500,000 and 800,000 of the paper's 1,800,000 iterations
 # Drawings that a training is followed by: the paper's augmentation, of faces as they are.
