@@ -93,7 +93,7 @@ def closed_figures(strokes: Mapping[int, Extent], reach: float) -> list[list[int
         meets[meetings] = True
         whole = kept & meets.reshape(-1, 2).all(axis=1)
     indices = list(strokes)
-    figures = DisjointSet([indices[stroke] for stroke in np.flatnonzero(kept)])
+    figures = DisjointSet([indices[place] for place in np.flatnonzero(kept)])
     for one, other in (meetings // 2).tolist():
         figures.merge(indices[one], indices[other])
     return [sorted(figure) for figure in figures.subsets()]

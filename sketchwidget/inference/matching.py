@@ -86,19 +86,25 @@ class DrawnLines:
             names += [name] * len(runs)
         return cls(strokes, names)
 
-    @property
-    def show_ears(self) -> bool:
-        """Whether there are any ears."""
-        return any(group.endswith("ear") for group in self._ink)
+    def __bool__(self) -> bool:
+        """Whether there are any."""
+        return bool(self._ink)
+
+    def ears(self) -> DrawnLines:
+        """The ears alone."""
+        return self._only(ears=True)
 
     def without_ears(self) -> DrawnLines:
         """All of them but the ears."""
-        others = copy.copy(self)
-        others._keep(
-            {name: strokes for name, strokes in self._strokes.items() if not name.endswith("ear")},
-            {group: ink for group, ink in self._ink.items() if not group.endswith("ear")},
+        return self._only(ears=False)
+
+    def _only(self, ears: bool) -> DrawnLines:
+        some = copy.copy(self)
+        some._keep(
+            {name: strokes for name, strokes in self._strokes.items() if name.endswith("ear") == ears},
+            {group: ink for group, ink in self._ink.items() if group.endswith("ear") == ears},
         )
-        return others
+        return some
 
     def match(self, points: np.ndarray, settled: bool = False) -> tuple[np.ndarray, np.ndarray]:
         """The drawn point for each point of a face's lines.

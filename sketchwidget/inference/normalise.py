@@ -34,11 +34,6 @@ class Normalised:
     places: list[str]
     face: np.ndarray
 
-    @property
-    def ears(self) -> np.ndarray:
-        """The ears beside the outline, (256, 256) bool."""
-        return _drawn(self.strokes, self.places, "ear")
-
 
 def normalise(strokes: Sequence[np.ndarray]) -> Normalised:
     """Place and size of a drawing are taken from its outline; while there is none, the canvas is the frame.
@@ -54,8 +49,5 @@ def normalise(strokes: Sequence[np.ndarray]) -> Normalised:
     else:
         frame, places = Frame.of_outline(outline.points), whereabouts(strokes, outline)
     framed = [frame(stroke) for stroke in strokes]
-    return Normalised(outline, framed, places, _drawn(framed, places, "inside"))
-
-
-def _drawn(strokes: list[np.ndarray], places: list[str], wanted: str) -> np.ndarray:
-    return rasterise([stroke for stroke, place in zip(strokes, places, strict=True) if place == wanted])
+    face = rasterise([stroke for stroke, place in zip(framed, places, strict=True) if place == "inside"])
+    return Normalised(outline, framed, places, face)

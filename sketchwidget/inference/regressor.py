@@ -69,7 +69,7 @@ class FaceRegressor:
     shape_model : ShapeModel, optional
         Codes the lines of a drawing for the network's shape-level input; without it only the pixels count.
     refine : bool
-        Whether the lines that were named move the network's answer towards them.
+        Whether the lines that were named move the network's answer towards them; without that ears change nothing.
     database : str
         Sum of the database that the network was trained on.
 
@@ -116,8 +116,8 @@ class FaceRegressor:
 
         Once an outline of the head is found, place and size are taken from it, and strokes that are outside it and no
         ears are left out: the same drawing moved or scaled gives the same head, and hair moves nothing. Before that the
-        canvas itself is the frame. Ears beside the outline shape the head's ears and hardly anything else. Within an
-        outline a mouth that nobody has drawn is at rest.
+        canvas itself is the frame. Where lines refine the head, ears beside the outline shape its ears and hardly
+        anything else. Within an outline a mouth that nobody has drawn is at rest.
 
         Raises
         ------
@@ -194,13 +194,13 @@ class FaceRegressor:
             )
         if self._refines:
             identity, expression = self._limited(*self._lines(identity, expression, face.match))
-            if drawn.show_ears:
-                identity = self._with_ears(identity, expression, drawn)
+            if ears := drawn.ears():
+                identity = self._with_ears(identity, expression, ears)
         return identity, expression
 
-    def _with_ears(self, identity: np.ndarray, expression: np.ndarray, drawn: DrawnLines) -> np.ndarray:
+    def _with_ears(self, identity: np.ndarray, expression: np.ndarray, ears: DrawnLines) -> np.ndarray:
         """Identity weights nearer to drawn ears, as far as they leave the landmarks where they are but for 1.5 mm."""
-        moved, _ = self._limited(*self._lines(identity, expression, drawn.match))
+        moved, _ = self._limited(*self._lines(identity, expression, ears.match))
         # Landmarks are linear in the identity, so that a share of the change moves them by that share.
         change = moved - identity
         moves = (self._landmarks @ (self.model.bilinear.core @ expression @ change)).reshape(-1, 3)

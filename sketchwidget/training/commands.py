@@ -124,7 +124,11 @@ def network(
     ] = False,
     further: Annotated[
         int,
-        typer.Option(min=0, help="People to train on beyond those of the database, from the same source; made first."),
+        typer.Option(
+            min=0,
+            help="People to train on beyond those of the database, from the same source; made first. With --looked-at "
+            "those beyond the 1,200th are kept for what joins lines and pixels.",
+        ),
     ] = 0,
     jobs: Annotated[int, typer.Option(min=1, help="Processes that make further people.")] = 1,
     start: Annotated[

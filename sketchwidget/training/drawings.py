@@ -54,5 +54,5 @@ class DrawnExamples:
         number = int(random.integers(len(self)))
         seen = normalise([segment.points for segment in deform_lines(self._sketches[number], random).segments])
         nothing = np.zeros(POINTS, dtype=bool)  # whose lines they are, nobody said
-        drawn = Drawn(seen.face | seen.ears, np.zeros((len(nothing), 2)), nothing)
+        drawn = Drawn(seen.face, np.zeros((len(nothing), 2)), nothing)
         return drawn, self._codes[number], self._poses[number]

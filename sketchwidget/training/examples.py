@@ -236,22 +236,22 @@ class Examples(Batches):
         else:
             row, face = self._face(random, quiet="mouth" not in parts, freehand=freehand)
         points = self._overdrawn(face, random) if freehand else face.points
-        wrinkled = self._with_wrinkles(row, random) if random.random() < self.variety.wrinkles else None
-        wrinkles = None if wrinkled is None else self.table.wrinkles[divmod(wrinkled, len(self._poses))]
+        donor = self._with_wrinkles(row, random) if random.random() < self.variety.wrinkles else None
+        wrinkles = None if donor is None else self.table.wrinkles[divmod(donor, len(self._poses))]
         view = View() if manner is Manner.EXACT else noisy_view(self.variety.view, random)
         projected = self.table.lines(view.project(points))
-        front = self.table.lines(View().project(self._stored(row if wrinkled is None else wrinkled).points))
+        front = self.table.lines(View().project(self._stored(row if donor is None else donor).points))
         drawn = draw(manner, projected, parts, wrinkles, front, self.variety.hand, random, self._pixels)
         return drawn, face.code, face.pose, row // len(self._poses)
 
     def _with_wrinkles(self, row: int, random: np.random.Generator) -> int | None:
-        """A face whose wrinkles are known: this one, or else somebody's in the same expression, if there is one."""
+        """A face whose wrinkles are known: this one, or else somebody's in the same expression, at any level."""
         known = len(self.table.wrinkles) * len(self._poses)
         if row < known:
             return row
-        others = self._by_expression[row % len(self._poses)]  # in order
-        count = np.searchsorted(others, known)
-        return int(others[random.integers(count)]) if count else None
+        others = self._by_expression[row % len(self._poses)]
+        others = others[others < known]
+        return int(others[random.integers(len(others))]) if len(others) else None
 
     def _parts(self, random: np.random.Generator) -> set[str]:
         if random.random() < self.variety.partial:

@@ -71,7 +71,7 @@ def draw(
     parts : set of str
         Which parts a freehand drawing has.
     wrinkles : (w, m, 2) array or None
-        Suggestive contours of the face in the front view, NaN where there are no more; None draws no wrinkle lines.
+        Suggestive contours of a face in the front view, NaN where there are no more; None draws no wrinkle lines.
     front : dict of (k, 2) arrays
         The lines of the face that has these wrinkles, in the front view: from there they are carried to `lines`.
     hand : Hand

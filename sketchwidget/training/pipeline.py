@@ -39,7 +39,7 @@ from .team import Team
 SEED = 7
 _AGAIN, _LINES_ALONE = 5, 6  # times that drawings looked at are seen, and how many lines alone there are for each
 _SEEN, _ALONE = 48, 208  # drawings looked at and lines alone, in a batch
-_BEFORE = 0.25  # share of the further people that other layers see than those in which lines join pixels
+_FAMILIAR = 1200  # further people whom all layers see, if the last ones are to look at drawings of strangers
 _FIRST_STEPS = (5, 8)  # of 18: 500,000 and 800,000 of the paper's 1,800,000 iterations
 # Drawings that a training is followed by: the paper's augmentation, of faces as they are.
 _TEST = Variety(manners={Manner.AUGMENTED: 1.0}, of_model=0.0, mixed=0.0, blended=0.0)
@@ -142,7 +142,7 @@ class Pipeline:
     ) -> Examples:
         """Examples without end, of all faces to train on, or of others of the table, given by their numbers."""
         model = self.database.model
-        of = np.concatenate([self.kept, self._beyond]) if of is None else of
+        of = self._everybody if of is None else of
         return Examples(
             self.table,
             of,
@@ -166,9 +166,13 @@ class Pipeline:
 
     @property
     def _strangers(self) -> np.ndarray:
-        """Numbers of those whom only the layers see in which lines join pixels."""
-        faces = len(self.database) // self.database.identities
-        return self._beyond[faces * round(_BEFORE * len(self.further or ())) :]
+        """Numbers of the faces of those beyond the first `_FAMILIAR` ones."""
+        return self._beyond[_FAMILIAR * len(self.database) // self.database.identities :]
+
+    @property
+    def _everybody(self) -> np.ndarray:
+        """Numbers of all faces to train on."""
+        return np.concatenate([self.kept, self._beyond])
 
     @property
     def _poses(self) -> np.ndarray:
@@ -197,9 +201,11 @@ class Pipeline:
 
         At last, of `looked_at` batches of drawings the layers in which lines join pixels learn again: what is
         before them stays, and they see each of these drawings `_AGAIN` times, and with `_SEEN` of them at a time
-        `_ALONE` of the lines alone of `_LINES_ALONE` times as many others. What features tell of people whom they were
-        learnt from is more than they will of others: where there are further people, those drawings are of the people
-        of the model and of further ones whom nothing before has seen, three quarters of them.
+        `_ALONE` of the lines alone of `_LINES_ALONE` times as many others. Features tell more of people whom they were
+        learnt from than of others: the drawings are therefore of strangers, the further people beyond the first
+        `_FAMILIAR` ones, whom nothing before sees, and of the people of the model, who are to be recognised. Without
+        so many people they are of all. Whether a network that this one starts from had so many familiar people too,
+        the commands in their headers say.
 
         Raises
         ------
@@ -217,19 +223,20 @@ class Pipeline:
         folder = self.work / f"{out.stem}-{model.fingerprint[:8]}"
         with team.leader_first():
             strangers = self._strangers if looked_at else self._beyond[:0]
-            before = np.setdiff1d(np.concatenate([self.kept, self._beyond]), strangers)
+            before = np.setdiff1d(self._everybody, strangers)
             examples = self.examples(variety, schedule.batch, people, of=before)
             unseen = self.examples(_TEST, 8 * schedule.batch, of=self.database.split("identity", SEED)[1])
         beyond, by_people = (0 if some is None else len(some) for some in (self.further, people))
         about = f"{self.database.sum} {beyond} further people {variety} {by_people} drawings {origin} "
+        about += f"{len(before)} faces before lines are joined "
         if in_three_steps:
             classes, weights = (schedule.steps * part // 18 for part in _FIRST_STEPS)
             plain = replace(variety, of_model=0.0, mixed=0.0, blended=0.0)
-            known = self.examples(plain, schedule.batch, of=before, reshaped=False)
+            stored = self.examples(plain, schedule.batch, of=before, reshaped=False)
             task: Task = Classes(network, self._poses, len(self.table.codes))
-            network = train(task, known, replace(schedule, steps=classes), folder / "classes", workers, about)
+            network = train(task, stored, replace(schedule, steps=classes), folder / "classes", workers, about)
             task = Weights(network, standardised_identities(self.table, model))
-            network = train(task, known, replace(schedule, steps=weights), folder / "weights", workers, about, unseen)
+            network = train(task, stored, replace(schedule, steps=weights), folder / "weights", workers, about, unseen)
             network.requires_grad_(True)
             schedule = replace(schedule, steps=schedule.steps - classes - weights)
         task = Faces(network, model, vertex_metric(model))
@@ -238,13 +245,12 @@ class Pipeline:
         if looked_at:
             # Each of a team looks at drawings of its own.
             about += f"{network.layout.to_json()} {schedule}, then {looked_at} batches of {team.size} {_AGAIN} times "
-            about += f"and {_LINES_ALONE} times as many lines alone, {_SEEN} and {_ALONE} at a time, "
-            about += f"of {len(strangers)} faces of others "
+            about += f"and {_LINES_ALONE} times as many lines alone, {_SEEN} and {_ALONE} at a time "
             share = max(1, looked_at // team.size)
             digest = hashlib.sha256(about.encode()).hexdigest()[:8]
             if len(strangers):
-                known = self.kept[self.kept < self._of_model]
-                examples = self.examples(variety, schedule.batch, people, of=np.concatenate([known, strangers]))
+                of_model = self.kept[self.kept < self._of_model]
+                examples = self.examples(variety, schedule.batch, people, of=np.concatenate([of_model, strangers]))
             examples.start, examples.stride = schedule.steps * team.size + team.rank, team.size
             alone = self.examples(variety, schedule.batch, pixels=False)
             alone.start, alone.stride = examples.start + share * team.size, team.size

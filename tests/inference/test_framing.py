@@ -29,7 +29,13 @@ def test_a_head_s_own_outline_is_found_where_it_is_drawn(scale, x, y):
     np.testing.assert_allclose(view.centre, [0.5 + x, 0.5 + y], atol=1e-6)
 
 
-@given(scale=scales, x=places, y=places, width=st.floats(0.8, 1.25), open_from=st.floats(0.0, 0.5))
+@given(
+    scale=scales,
+    x=places,
+    y=places,
+    width=st.floats(0.8, 0.92) | st.floats(1.08, 1.25),
+    open_from=st.floats(0.0, 0.5),
+)
 def test_another_outline_is_nearer_than_where_placing_began(scale, x, y, width, open_from):
     shape = 0.5 + (HEAD[:-1] - 0.5) * [width, 1.0]
     height = np.ptp(shape[:, 1])
@@ -43,7 +49,7 @@ def test_another_outline_is_nearer_than_where_placing_began(scale, x, y, width, 
     wide = np.ptp(drawn[:, 0]) / np.ptp(HEAD[:, 0])
     middle = (drawn[:, 0].max() + drawn[:, 0].min() - wide * (HEAD[:, 0].max() + HEAD[:, 0].min() - 1)) / 2
     chin = drawn[:, 1].max() - wide * (HEAD[:, 1].max() - 0.5)
-    assert squares(view.scale * CANVAS_MM, view.centre) <= squares(wide, (middle, chin)) + 1e-12
+    assert squares(view.scale * CANVAS_MM, view.centre) < 0.99 * squares(wide, (middle, chin))
 
 
 @given(scale=scales, x=places, y=places)

@@ -6,8 +6,11 @@ import numpy as np
 import pytest
 
 from sketchwidget.database import build as building
+from sketchwidget.geometry import View
 from sketchwidget.inference.network import TINY
 from sketchwidget.inference.shape_code import DETAILS
+from sketchwidget.training import examples as examples_module
+from sketchwidget.training import manners
 from sketchwidget.training import pipeline as training_pipeline
 from sketchwidget.training.examples import Examples, Variety
 from sketchwidget.training.further_people import Further
@@ -95,6 +98,25 @@ def test_they_have_wrinkles_of_somebody_in_the_same_expression(with_further):
             assert all((image.sum() > bare.sum()) == wrinkled for image in images)
 
 
+def test_wrinkles_are_carried_from_the_face_that_has_them(with_further, monkeypatch):
+    given = []
+
+    def draw(manner, lines, parts, wrinkles, front, *rest):
+        given.append((wrinkles, front))
+        return manners.draw(manner, lines, parts, wrinkles, front, *rest)
+
+    monkeypatch.setattr(examples_module, "draw", draw)
+    one, other = 3 * 13 + 1, 3 * 2 + 1
+    batch = _exact(with_further, [other, one], 1.0)[0]
+    table = with_further.table
+    of_other = table.lines(View().project(table.points[2, 1].astype(np.float32)))
+    assert 13 in batch.people.tolist()
+    for wrinkles, front in given:
+        np.testing.assert_array_equal(wrinkles, table.wrinkles[2, 1])
+        for name, line in front.items():
+            np.testing.assert_allclose(line, of_other[name], atol=1e-6)
+
+
 def test_drawings_looked_at_are_of_the_model_s_people_and_of_further_ones_whom_nothing_before_has_seen(
     with_further, tmp_path, monkeypatch
 ):
@@ -112,7 +134,7 @@ def test_drawings_looked_at_are_of_the_model_s_people_and_of_further_ones_whom_n
 
     monkeypatch.setattr(LookedAt, "by", looked_at)
     monkeypatch.setattr(training_pipeline, "train", trained)
-    monkeypatch.setattr(training_pipeline, "_BEFORE", 0.5)
+    monkeypatch.setattr(training_pipeline, "_FAMILIAR", 1)
     layout = replace(TINY, details=DETAILS, joined=16)
     with_further.train_network(
         tmp_path / "a.safetensors", "a test", Schedule(steps=2, batch=4, checkpoint=2), layout, workers=0, looked_at=2
@@ -121,7 +143,8 @@ def test_drawings_looked_at_are_of_the_model_s_people_and_of_further_ones_whom_n
     assert seen["before"] == kept | first
     assert seen["drawings"] == {face for face in kept if face < 24} | second
     assert seen["lines"] == kept | first | second
-    with_further.train_network(
-        tmp_path / "b.safetensors", "a test", Schedule(steps=2, batch=4, checkpoint=2), layout, workers=0
-    )
+    everybody = tmp_path / "b.safetensors", "a test", Schedule(steps=2, batch=4, checkpoint=2), layout
+    with_further.train_network(*everybody, workers=0)
     assert seen["before"] == kept | first | second
+    with pytest.raises(ValueError, match="of another training"):  # which has seen the strangers
+        with_further.train_network(*everybody, workers=0, looked_at=2)
