@@ -38,7 +38,8 @@ _PLACED_WHOLE = np.array([any(part in group for part in ("brow", "eye", "mouth",
 _SORTED = np.concatenate(list(PLACES.values()))
 _BEGINS = np.cumsum([0, *map(len, PLACES.values())])[:-1]
 _GROUP = np.repeat(np.arange(len(PLACES)), [len(at) for at in PLACES.values()])[_SORTED.argsort()]
-_MARK = 0.5  # of the breadth of an eye: what is smaller is a pupil or a dot, which shows where the eye is and no lids
+_EYES_AND_MOUTH = _EYES | np.array(["mouth" in group for group in PLACES])
+_MARK = 0.5  # of the breadth of an eye or a mouth: what is smaller is a dot, which shows where it is and not its shape
 _ROUNDS = 2
 _CODE_LIMIT = (2.0, 3.0)  # standard deviations that coefficients may go to freely, and at most
 
@@ -121,7 +122,7 @@ class DrawnLines:
         -------
         drawn : (n, 2) array
             The nearest point of a stroke with the line's name, or of its partner's; the point itself where there is
-            none. An eye that is a dot keeps its shape and goes there.
+            none. An eye or a mouth that is a dot keeps its shape and goes there.
         weight : (n,) array
             How much it counts, from 0 to 1.
         """
@@ -130,12 +131,14 @@ class DrawnLines:
         return drawn, _weight(squares)
 
     def beside(self, points: np.ndarray, settled: bool) -> tuple[np.ndarray, np.ndarray]:
-        """Points (n, 2) moved onto their strokes unless near already, and which (n,) are of eyes that are dots."""
+        """Points (n, 2) moved onto their strokes unless near already, and which (n,) are of eyes and mouths that are
+        dots.
+        """
         low, high = (most.reduceat(points[_SORTED], _BEGINS) for most in (np.minimum, np.maximum))
         # Of lids it is easily the wrong one that is nearest.
         moved = _EYES if settled else _PLACED_WHOLE
         by = np.where(moved[:, None] & np.isfinite(self._middles), self._middles - (low + high) / 2, 0.0)
-        marked = _EYES & (self._breadths < _MARK * (high - low).max(axis=1))
+        marked = _EYES_AND_MOUTH & (self._breadths < _MARK * (high - low).max(axis=1))
         return points + by[_GROUP], marked[_GROUP]
 
     def nearest(self, beside: np.ndarray, known: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -14,7 +14,7 @@ from .figures import Extent, closed_figures, extents
 from .outline import Outline
 
 _SAMPLES = 24
-_NEAR = 0.07  # mean distance to a line, of the outline's size
+_NEAR, _NEAR_EARS = 0.07, 0.14  # mean distance to a line, of the outline's size
 _LENGTHS = (0.1, 3.0)  # a stroke's length over the line's: it may be drawn in pieces
 
 # Of the width of an eye: brows are broader; strokes at least so far apart are one above the other; ends this near meet;
@@ -63,13 +63,17 @@ def name_strokes(
     lines : mapping of (k, 2) arrays
         The feature lines of the inferred head, and the outer contour of its lips, where they stand on the canvas.
     places : sequence of str
-        Whereabouts of each stroke. Those outside stay unnamed, the others are wrinkles where they run along no line.
+        Whereabouts of each stroke. Those outside stay unnamed, and those beside the outline that run along no ear; the
+        others are wrinkles where they run along no line.
     """
     size = float(np.sqrt(np.prod(np.ptp(outline.points, axis=0))))
     names = list(lines)
     points = resample_each(strokes, _SAMPLES)
     sampled = resample_each(list(lines.values()), 2 * _SAMPLES)
-    distance = _distances(points, sampled, _NEAR * size)
+    ears = np.array([name.endswith("ear") for name in names])
+    # Nothing else is where ears are: they may be larger and higher than the head's.
+    reach = np.where(ears[:, None] & (np.array(places) == "ear"), _NEAR_EARS, _NEAR)
+    distance = _distances(points, sampled, reach * size)
     inner = {
         index: stroke
         for index, stroke in enumerate(extents(points))
@@ -99,15 +103,17 @@ def name_strokes(
         if places[index] == "outside":
             return UNNAMED
         along = near[index]
+        if places[index] == "ear" and not along.endswith("ear"):
+            return UNNAMED
         # Its place tells more than the nearest line: people draw eyes higher than they are.
         return by_place.get(index, along) if along == WRINKLE or "eye" in along or "brow" in along else along
 
     return tuple(name(index) for index in range(len(strokes)))
 
 
-def _distances(points: np.ndarray, lines: np.ndarray, reach: float) -> np.ndarray:
-    """Mean distances (l, n) of strokes (n, k, 2) from lines (l, m, 2); inf beyond `reach`, and where lengths do not go
-    together.
+def _distances(points: np.ndarray, lines: np.ndarray, reach: np.ndarray) -> np.ndarray:
+    """Mean distances (l, n) of strokes (n, k, 2) from lines (l, m, 2); inf beyond `reach` (l, n), and where lengths do
+    not go together.
     """
     ratio = lengths(points) / lengths(lines)[:, None]
     # No mean distance is less than that of the stroke's middle from the line's box: most strokes go no further.

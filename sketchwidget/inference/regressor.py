@@ -19,7 +19,7 @@ from ..threads import one_thread
 from .framing import Frame, place
 from .matching import DrawnLines, shape_code
 from .naming import name_strokes
-from .network import PixelShapeCNN
+from .network import IMAGE_SIZE, PixelShapeCNN
 from .network_file import read_network
 from .normalise import Normalised, normalise
 from .refinement import LineRefiner
@@ -240,14 +240,16 @@ class FaceRegressor:
         Raises
         ------
         ValueError
-            If codes are shorter than what the network sees of lines, or there are none and it sees nothing else.
+            If images or codes have another shape or type, or there are no codes and the network sees nothing else.
         """
         seen = images if self._network.convolutions is not None else codes
-        if seen is None:
+        if seen is None and self._network.convolutions is None:
             raise ValueError("this network sees lines only: give it their codes")
+        if seen is images and not (_is_array(images, 3, np.bool_) and images.shape[1:] == (IMAGE_SIZE, IMAGE_SIZE)):
+            raise ValueError(f"images are bool arrays (b, {IMAGE_SIZE}, {IMAGE_SIZE}); given {_about(images)}")
         wanted = self._network.described
-        if codes is not None and (codes.ndim != 2 or codes.shape[1] < wanted):
-            raise ValueError(f"codes of lines are (b, {wanted}) or longer; given {codes.shape}")
+        if codes is not None and not (_is_array(codes, 2, np.floating) and codes.shape[1] >= wanted):
+            raise ValueError(f"codes of lines are arrays (b, {wanted}) or longer of numbers; given {_about(codes)}")
         with torch.inference_mode():
             inputs = torch.from_numpy(seen)
             features = self._network.features((inputs[:, None] if inputs.ndim == 3 else inputs).to(torch.bfloat16))
@@ -278,12 +280,12 @@ class FaceRegressor:
         return limited[0], limited[1]
 
     @classmethod
-    def load(cls, name: str | None = None, model: FaceModel | None = None, refine: bool = True) -> FaceRegressor:
+    def load(cls, name: str | Path | None = None, model: FaceModel | None = None, refine: bool = True) -> FaceRegressor:
         """A shipped network by name ("PixelShapeCNN", the default, or "PixelCNN"), or one from a file by its path.
 
         Parameters
         ----------
-        name : str, optional
+        name : str or Path, optional
         model : FaceModel, optional
             The model that it was trained for; the shipped one by default.
         refine : bool
@@ -291,12 +293,19 @@ class FaceRegressor:
 
         Raises
         ------
+        TypeError
+            If an argument is of another type.
         FileNotFoundError
             If no such network ships and there is no such file.
         ValueError
             If the file is no network, is damaged, larger than 256 MB, or was trained for another face model.
         """
-        name = name or NETWORKS[0]
+        name = NETWORKS[0] if name is None else name
+        if not isinstance(name, str | Path) or not isinstance(model, FaceModel | None) or not isinstance(refine, bool):
+            raise TypeError(
+                "a network is loaded by its name or path, with a FaceModel, and refine is true or false; given "
+                f"{name!r}, {model!r}, {refine!r}"
+            )
         path = shipped(_SHIPPED) if name in NETWORKS else Path(name)
         if not path.is_file():
             raise FileNotFoundError(f"no network {name!r}: it is one of {', '.join(NETWORKS)}, or the path of a file")
@@ -307,6 +316,14 @@ class FaceRegressor:
         pixels_only = name == "PixelCNN" or not stored.network.layout.shape
         shape_model = None if pixels_only else stored.shape_model
         return cls(model, stored.network, stored.standard, shape_model, refine, stored.header.get("database", ""))
+
+
+def _is_array(values: object, dimensions: int, kind: type[np.generic]) -> bool:
+    return isinstance(values, np.ndarray) and values.ndim == dimensions and np.issubdtype(values.dtype, kind)
+
+
+def _about(values: object) -> str:
+    return f"{values.dtype} {values.shape}" if isinstance(values, np.ndarray) else repr(values)
 
 
 def _basis_at(model: FaceModel, vertices: np.ndarray) -> np.ndarray:

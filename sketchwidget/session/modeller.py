@@ -77,6 +77,8 @@ class Modeller:
     """
 
     def __init__(self, regressor: FaceRegressor | None = None, inference: bool = True) -> None:
+        if inference and regressor is not None and not callable(getattr(regressor, "infer", None)):
+            raise TypeError(f"a session's regressor has infer(sketch), such as a FaceRegressor; given {regressor!r}")
         self.inference = inference
         self._regressor = regressor
         self._model: FaceModel | None = None

@@ -70,6 +70,8 @@ class Studio(VBox):
 
     def __init__(self, session: Session | None = None) -> None:
         session = Session() if session is None else session
+        if not isinstance(session, Session):
+            raise TypeError(f"a Studio shows a Session; given {session!r}")
         # A session infers its first face when asked for it; the mean face needs no network, so the page has it at once.
         self._resting_face = session.face if session.trait_has_value("face") else FaceModel.load().face()
         self._head = HeadView(self._resting_face)

@@ -64,6 +64,23 @@ def test_broad_ears_are_broad_on_the_head(regressor, drawing):
     assert (breadth(0.5) < breadth(1.0) - 0.5).all() and (breadth(1.0) < breadth(1.5) - 0.5).all()
 
 
+@pytest.mark.parametrize("size", [0.006, 0.012, 0.02])
+def test_a_dot_for_a_mouth_says_where_it_is_and_not_how_broad(regressor, drawing, size):
+    plain = regressor.predict(Sketch.from_strokes(drawing)).curve("mouth_upper")
+    angle = np.linspace(0, 2 * np.pi, 20)
+    dot = np.array([0.5, 0.73]) + size * np.stack([np.cos(angle), np.sin(angle)], axis=1)
+    mouth = regressor.predict(Sketch.from_strokes([*drawing[:4], dot])).curve("mouth_upper")
+    assert np.ptp(mouth[:, 0]) > 0.5 * np.ptp(plain[:, 0])
+
+
+def test_large_and_high_ears_are_ears_and_what_is_no_ear_there_is_nothing(regressor, drawing):
+    high = EAR - [0.0, 0.06]
+    large = EAR.max(axis=0) - 1.6 * (EAR.max(axis=0) - EAR) + [0.0, 0.05]
+    beside = np.array([[0.14, 0.3], [0.12, 0.4], [0.13, 0.5]])
+    names = [regressor.infer(Sketch.from_strokes([*drawing, stroke])).names[-1] for stroke in (high, large, beside)]
+    assert names == ["right_ear", "right_ear", "unnamed"]
+
+
 def test_ears_are_followed_by_their_lines_alone(regressor, drawing):
     unrefined = FaceRegressor.load(refine=False)
     with_ears = Sketch.from_strokes([*drawing, EAR, [1, 0] + EAR * [-1, 1]])
@@ -284,8 +301,29 @@ def test_a_network_of_pixels_answers_by_them_alone(tmp_path, drawing):
 def test_codes_that_are_too_short_are_refused(tmp_path):
     regressor = kept(tmp_path / "tiny.safetensors", FaceModel.load())
     image = np.zeros((1, 256, 256), dtype=bool)
-    with pytest.raises(ValueError, match=r"\(b, 66\) or longer; given \(1, 50\)"):
-        regressor.weights(image, np.ones((1, 50), np.float32))
+    for codes, named in ((np.ones((1, 50), np.float32), r"float32 \(1, 50\)"), ("no", "'no'")):
+        with pytest.raises(ValueError, match=rf"\(b, 66\) or longer of numbers; given {named}"):
+            regressor.weights(image, codes)
+
+
+@pytest.mark.parametrize(
+    ("images", "named"),
+    [
+        (None, "None"),
+        (np.zeros((256, 256), dtype=bool), r"bool \(256, 256\)"),
+        (np.zeros((1, 128, 128), dtype=bool), r"bool \(1, 128, 128\)"),
+        (np.full((1, 256, 256), np.nan), r"float64 \(1, 256, 256\)"),
+    ],
+)
+def test_images_of_another_kind_are_refused(regressor, images, named):
+    with pytest.raises(ValueError, match=rf"images are bool arrays \(b, 256, 256\); given {named}"):
+        regressor.weights(images)
+
+
+@pytest.mark.parametrize("arguments", [{"name": 5}, {"model": "face"}, {"refine": "no"}])
+def test_a_network_is_loaded_by_arguments_of_their_types(arguments):
+    with pytest.raises(TypeError, match="by its name or path, with a FaceModel, and refine is true or false; given"):
+        FaceRegressor.load(**arguments)
 
 
 def test_refining_brings_the_lines_nearer_to_the_drawn_ones(tmp_path, drawing):

@@ -298,3 +298,8 @@ def test_a_session_does_the_events_of_another_one_by_one(session):
     assert np.array_equal(copy.face.vertices, original.face.vertices)
     with pytest.raises(TypeError, match="given dict"):
         copy.do(original.events[-1].to_json())
+
+
+def test_a_session_infers_by_what_can_infer():
+    with pytest.raises(TypeError, match=r"has infer\(sketch\), such as a FaceRegressor; given 'PixelCNN'"):
+        Session("PixelCNN")

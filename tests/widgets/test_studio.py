@@ -315,3 +315,8 @@ class TestFollowUp:
     def test_a_loaded_session_infers_as_the_former_one(self, shown):
         load(shown, "drawing.jsonl", shown.session.dumps().encode())
         assert shown.session.mode == "followup" and not shown.session.inference
+
+
+def test_what_is_no_session_is_not_shown():
+    with pytest.raises(TypeError, match="a Studio shows a Session; given 'face'"):
+        Studio("face")
