@@ -71,8 +71,9 @@ def name_strokes(
     points = resample_each(strokes, _SAMPLES)
     sampled = resample_each(list(lines.values()), 2 * _SAMPLES)
     ears = np.array([name.endswith("ear") for name in names])
-    # Nothing else is where ears are: they may be larger and higher than the head's.
-    reach = np.where(ears[:, None] & (np.array(places) == "ear"), _NEAR_EARS, _NEAR)
+    # Ears may be larger and higher than the head's: what goes out and comes back is hardly anything else.
+    bulging = (np.array(places) == "ear") & _bulge(points, outline)
+    reach = np.where(ears[:, None] & bulging, _NEAR_EARS, _NEAR)
     distance = _distances(points, sampled, reach * size)
     inner = {
         index: stroke
@@ -109,6 +110,13 @@ def name_strokes(
         return by_place.get(index, along) if along == WRINKLE or "eye" in along or "brow" in along else along
 
     return tuple(name(index) for index in range(len(strokes)))
+
+
+def _bulge(points: np.ndarray, outline: Outline) -> np.ndarray:
+    """Which strokes (n, k, 2) have both ends nearer to the middle of an outline than the rest of them is, (n,) bool."""
+    low, high = outline.points.min(axis=0), outline.points.max(axis=0)
+    out = np.abs(points[..., 0] - (low[0] + high[0]) / 2)
+    return out[:, [0, -1]].max(axis=1) < (out.min(axis=1) + out.max(axis=1)) / 2
 
 
 def _distances(points: np.ndarray, lines: np.ndarray, reach: np.ndarray) -> np.ndarray:
